@@ -1,1 +1,1 @@
-"""robowidgets beside other libraries, on the same scan in the same JupyterLab: `make bench` writes RESULTS.md."""
+"""robowidgets compared with other libraries, with the same scan in one JupyterLab: `make bench` writes RESULTS.md."""

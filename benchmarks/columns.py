@@ -1,4 +1,4 @@
-"""All scans of a recording as one array, and its scanogram, beside reading its bytes and beside rosbags alone."""
+"""All scans of a recording as one array, and its scanogram, compared with reading its bytes and with rosbags alone."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Whole:
 
 @dataclass
 class Decoding:
-    """One topic: how many scans of how many rays, and milliseconds from opening the file to all of them."""
+    """One topic: the numbers of scans and rays, and milliseconds from opening the file to all of them."""
 
     scans: int
     rays: int
@@ -35,7 +35,7 @@ class Decoding:
 
 
 def whole(path: Path, repeats: int) -> Whole:
-    """All three in turn; the median of each, but for the first time."""
+    """Measure all three in turn. Return the medians without the first round."""
     times: dict[str, list[float]] = {"read": [], "array": [], "scanogram": []}
     for _ in range(1 + repeats):
         times["read"].append(timed(lambda: len(path.read_bytes()))[0])
@@ -45,18 +45,18 @@ def whole(path: Path, repeats: int) -> Whole:
 
 
 def compare(made: dict[str, Path], repeats: int) -> dict[str, Decoding]:
-    """Each topic of scans by file and name."""
+    """Measure each topic of scans, by file and name."""
     return {name: decode(path, topic, repeats) for name, path, topic in with_scans(made)}
 
 
 def decode(path: Path, topic: str, repeats: int) -> Decoding:
-    """Both in turn; the median of each, but for the first time, in which rosbags makes code for the type."""
+    """Measure both in turn. Return the medians without the first round, in which rosbags makes code for the type."""
     times: dict[str, list[float]] = {"ours": [], "rosbags": []}
     for _ in range(1 + repeats):
         took, ranges = timed(lambda: _ranges(path, topic))
         times["ours"].append(took)
         scans, rays = ranges.shape
-        # Before the next is made, whose memory this then is.
+        # Free its memory for the next array.
         del ranges
         took, count = timed(lambda: _rosbags(path, topic))
         times["rosbags"].append(took)

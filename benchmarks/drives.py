@@ -1,4 +1,4 @@
-"""A search through a thousand recordings, some damaged, beside a loop over rosbags; what may go wrong; S3."""
+"""A search through a thousand recordings, some damaged, compared with a loop over rosbags; faults; and S3."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ COUNT = 1000
 LIMIT = 0.3
 SECONDS = 20.0
 DIFFERENT = 10
-"""Drives of the simulator, each of which is there several times."""
+"""The number of different drives of the simulator. Each is copied several times."""
 STORED = 100
-"""Recordings in object storage."""
+"""The number of recordings in object storage."""
 _ROOMS = ("house", "corridor", "office", "maze")
 _SCANNER = Scanner(ray_count=360, range_max=12.0, rate=10.0)
 _THERE = 50_000
-"""Bytes of a file that is written meanwhile that are there from the beginning."""
+"""The initial bytes of a file that grows during the search."""
 _START_NS = 1_700_000_000_000_000_000
 
 
 class Run(NamedTuple):
-    """One way to search all: seconds, the most memory in MB of all its processes and of one of them, and spans."""
+    """One way to search all: seconds, peak memory in MB of all processes and of a single process, and spans."""
 
     seconds: float
     megabytes: float
@@ -57,8 +57,8 @@ class Run(NamedTuple):
 
 
 class Trouble(NamedTuple):
-    """What went wrong, whether it did while all were searched, whether the rows were the same, each once, and what was
-    told.
+    """A fault: its name, True if it happened during the search, True if the rows were the same, each once, and the
+    message.
     """
 
     what: str
@@ -68,8 +68,8 @@ class Trouble(NamedTuple):
 
 
 def compare(count: int = COUNT) -> None:
-    """Print what each recording costs, the ways to search all, what may go wrong, and what an index costs."""
-    # Without bars: they would be written to a disk that is full.
+    """Print the cost of each recording, the ways to search all, the faults, and the cost of an index."""
+    # Without progress bars, which would be written to the full disk.
     with tempfile.TemporaryDirectory() as folder, without_bars():
         os.environ["ROBOWIDGETS_CACHE"] = str(Path(folder) / "cache")
         runs = Path(folder) / "runs"
@@ -90,7 +90,7 @@ def compare(count: int = COUNT) -> None:
         for way, run in _ways(runs):
             facts = f"{run.seconds:.1f} | {len(files) / run.seconds:.0f} | {run.megabytes:.0f} | {run.largest:.0f}"
             _say(f"| {way} | {facts} | {run.spans:,} |")
-        _say("\n| trouble | same rows, each once | told |\n| --- | --- | --- |")
+        _say("\n| trouble | same rows, each once | message |\n| --- | --- | --- |")
         for trouble in _troubles(runs):
             same = ("yes" if trouble.is_same else "NO") if trouble.has_come else "it had ended before"
             _say(f"| {trouble.what} | {same} | {trouble.told} |")
@@ -102,7 +102,7 @@ def _say(line: str) -> None:
 
 
 def cpu(folder: Path, repeats: int = 3) -> dict[str, float]:
-    """Milliseconds of CPU time for each recording in a folder, in this process, and bytes of the index for a row."""
+    """Return milliseconds of CPU time per recording of a folder, in this process, and bytes of the index per row."""
 
     def cost(work: Callable[[], object]) -> float:
         taken = []
@@ -129,7 +129,7 @@ def _index_anew(folder: Path, output: Path, executor: Any) -> None:
 
 
 class _Here:
-    """An executor that runs all at once, in this process."""
+    """An executor that runs each call at once, in this process."""
 
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         future: Future[Any] = Future()
@@ -138,7 +138,7 @@ class _Here:
 
 
 def make(folder: Path, count: int) -> list[Path]:
-    """Recordings in a folder: real ones, drives of the simulator, and one in ten of these cut off."""
+    """Write recordings to a folder: real ones, and drives of the simulator. One in ten of these is cut off."""
     folder.mkdir()
     data = Path(os.environ.get("ROBOWIDGETS_DATA") or ROOT.parent / "shared" / "data")
     real = [path for part in ("good", "odd", "damaged", "topics") for path in sorted((data / part).glob("*"))]
@@ -153,7 +153,7 @@ def make(folder: Path, count: int) -> list[Path]:
 
 
 def _simulated(path: Path, seed: int) -> Path:
-    """An MCAP file of a robot that wanders through a room: its scans and odometry."""
+    """Write an MCAP file with scans and odometry of a robot that wanders through a room."""
     robot = Robot(room(_ROOMS[seed % len(_ROOMS)]), scanner=_SCANNER, seed=seed)
     scan_type, odometry_type = (
         TYPES.types[f"{name}"] for name in ("sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry")
@@ -202,7 +202,7 @@ def _simulated(path: Path, seed: int) -> Path:
 
 
 def plain_loop(folder: Path) -> int:
-    """How often a scan came nearer than the limit, by rosbags alone, in all that rosbags opens whole."""
+    """Return the number of scans below the limit, by rosbags alone, in all files that rosbags opens completely."""
     found = 0
     for path in sorted(folder.iterdir()):
         try:
@@ -215,7 +215,7 @@ def plain_loop(folder: Path) -> int:
                     is_near = bool(ranges.size and ranges.min() < LIMIT)
                     found += is_near and not was_near
                     was_near = is_near
-        except Exception:  # noqa: PERF203  # whatever it says of a damaged file, the loop goes on
+        except Exception:  # noqa: PERF203  # the loop goes on after any error of a damaged file
             continue
     return found
 
@@ -233,16 +233,16 @@ def _ways(folder: Path) -> Iterator[tuple[str, Run]]:
     with _cluster() as (client, _):
         yield "`find`, Dask with 2 workers", _measured(lambda: len(_find(folder, client)))
     _find(folder, keep=True)
-    yield "`find` again, of what was kept", _measured(lambda: len(_find(folder, keep=True)))
+    yield "`find` again, from the cache", _measured(lambda: len(_find(folder, keep=True)))
 
 
 def _measured(search: Callable[[], int]) -> Run:
-    """A search, with the most memory of this process and all that it started."""
+    """Run a search, and measure the peak memory of this process and its children."""
     own, is_over = psutil.Process(), threading.Event()
     most = [0, 0]
 
     def watch() -> None:
-        while not is_over.wait(0.25):  # each look at all processes takes some milliseconds
+        while not is_over.wait(0.25):  # each check of all processes takes some milliseconds
             sizes = [_memory(process) for process in (own, *own.children(recursive=True))]
             most[:] = max(most[0], sum(sizes)), max(most[1], *sizes)
 
@@ -265,7 +265,7 @@ def _memory(process: psutil.Process) -> int:
 
 @contextmanager
 def _cluster() -> Iterator[tuple[Any, list[subprocess.Popen[bytes]]]]:
-    """A client of a cluster of two workers of this machine, and its processes, of which the scheduler is the first."""
+    """Yield a client of a cluster with two workers on this machine, and its processes, the scheduler first."""
     from distributed import Client
 
     dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
@@ -290,7 +290,7 @@ def _cluster() -> Iterator[tuple[Any, list[subprocess.Popen[bytes]]]]:
 
 
 def _kill_all(process: subprocess.Popen[bytes]) -> None:
-    """kill -9 of a process and of those that it started: the one that starts a worker of Dask anew, and the worker."""
+    """Kill a process and its children by SIGKILL: the process that restarts a worker of Dask, and the worker."""
     with suppress(psutil.NoSuchProcess):
         own = psutil.Process(process.pid)
         for one in (own, *own.children(recursive=True)):
@@ -338,7 +338,7 @@ def _troubles(folder: Path) -> Iterator[Trouble]:
 
 @contextmanager
 def _after(seconds: float, action: Callable[[], object]) -> Iterator[threading.Event]:
-    """Does something after some seconds of the block; tells whether it came to it."""
+    """Do something after some seconds of the block. Yield an event that is set once it is done."""
     has_come = threading.Event()
 
     def act() -> None:
@@ -361,7 +361,7 @@ def _kill_a_process() -> None:
 
 @contextmanager
 def _written_meanwhile(original: Path, path: Path) -> Iterator[None]:
-    """A file that grows while the block runs, for two minutes at most."""
+    """Write a growing file while the block runs, for two minutes at most."""
     data, is_over = original.read_bytes(), threading.Event()
 
     def write() -> None:
@@ -384,7 +384,7 @@ def _written_meanwhile(original: Path, path: Path) -> Iterator[None]:
 
 
 def _index(folder: Path, output: Path) -> str:
-    """What an index of all costs, and a question to it."""
+    """Return the cost of an index of all recordings, and of a query to it."""
     seconds, drives = timed(lambda: robowidgets.index(folder, output=output))
     again, _ = timed(lambda: robowidgets.index(folder, output=output))
     rare = conditions.nearest_below(0.05) & conditions.speed_above(0.4)
@@ -397,7 +397,7 @@ def _index(folder: Path, output: Path) -> str:
 
 
 def _storage(files: list[Path]) -> str:
-    """What a search costs in a server of S3 on this machine, and whether its rows are those of the files here."""
+    """Return the cost of a search in an S3 server on this machine. It checks that the rows match the local files."""
     import boto3
     from moto.server import ThreadedMotoServer
 
@@ -420,8 +420,8 @@ def _storage(files: list[Path]) -> str:
     rows, same = ([hit._replace(file=Path(hit.file).name) for hit in hits] for hits in (there, here))
     return (
         f"\n{len(files)} recordings in S3, by a server of this machine: {seconds:.1f} s, {len(files) / seconds:.0f} a "
-        f"second, and again, of what was kept, {again:.1f} s. Its {len(there):,} rows are "
-        f"{'' if rows == same else 'NOT '}those of the same files here."
+        f"second, and {again:.1f} s again, from the cache. Its {len(there):,} rows are "
+        f"{'' if rows == same else 'NOT '}the same as for the local files."
     )
 
 

@@ -1,4 +1,4 @@
-"""What runs in the notebook's kernel to measure a feed: widgets connected to a robot in another process."""
+"""The code in the notebook's kernel that measures a feed: widgets connected to a robot in another process."""
 
 from __future__ import annotations
 
@@ -33,26 +33,26 @@ SETTINGS = {
 
 
 def start(role: str, name: str, where: str = "") -> subprocess.Popen[str]:
-    """A process of benchmarks.middleware."""
+    """Start a process of benchmarks.middleware."""
     command = [sys.executable, "-m", "benchmarks.middleware", role, name, where]
     return subprocess.Popen(command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
 def ask(process: subprocess.Popen[str], line: str) -> None:
-    """Say a line to a process."""
+    """Send a line to a process."""
     assert process.stdin is not None
     process.stdin.write(f"{line}\n")
     process.stdin.flush()
 
 
 def answer(process: subprocess.Popen[str]) -> str:
-    """The next line that a process says."""
+    """Return the next line from a process."""
     assert process.stdout is not None
     return process.stdout.readline().strip()
 
 
 def start_master() -> subprocess.Popen[str]:
-    """The master of a ROS 1 that is found by the environment of this process."""
+    """Start a ROS 1 master, and set the environment of this process to find it."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -67,7 +67,7 @@ def start_master() -> subprocess.Popen[str]:
 
 
 class Outside:
-    """A robot and a bare subscriber in processes of their own, and a feed of that robot."""
+    """A robot and a bare subscriber in separate processes, and a feed of that robot."""
 
     def __init__(self, name: str, note: Callable[[Any], None], lasers: list[LaserWidget]) -> None:
         self._master = start_master() if name == "ros1" else None
@@ -82,7 +82,7 @@ class Outside:
             ask(self._robot, "put 0")
 
     def pace(self, first: int, hz: float, seconds: float, _heard: list[tuple[int, int]]) -> None:
-        """Publish numbers from the first on; leaves when, and when the bare subscriber heard each."""
+        """Publish numbers from the first on, and save the times of publishing and of the bare callbacks."""
         ask(self._robot, f"pace {first} {hz} {seconds} {Path('published.npy').absolute()}")
         end = time.perf_counter() + seconds
         while time.perf_counter() < end:
@@ -92,11 +92,11 @@ class Outside:
         assert answer(self._bare) == "done"
 
     def beside(self, do: str) -> None:
-        """Give the robot all its other topics ("beside"), or have it publish them: "once", or from now on ("go")."""
+        """Add the other topics of the robot (`beside`), or publish them once ("once") or from now on ("go")."""
         ask(self._robot, do)
 
     def rate(self) -> float:
-        """How many messages per second these have been."""
+        """Return the messages per second on these topics."""
         ask(self._robot, "rate")
         return float(answer(self._robot))
 
@@ -110,13 +110,13 @@ class Outside:
 
 
 class Inside:
-    """A robot without a process of its own: a scan counts as published when it is due, and a bare callback takes no
-    time. The clock of the feed is told by its most punctual scan."""
+    """A robot in the process of the kernel. A scan counts as published when it is due, and a bare callback takes no
+    time. The most punctual scan sets the clock of the feed."""
 
     def __init__(self, name: str, note: Callable[[Any], None], lasers: list[LaserWidget]) -> None:
         self._make, self._targets = MADE[name], (note, *lasers)
         for laser in lasers:
-            laser.title = "/scan"  # as it will be: what the page has learned of the picture must hold
+            laser.title = "/scan"  # the later title, so that the picture stays as the page has learned it
 
     def pace(self, first: int, hz: float, seconds: float, heard: list[tuple[int, int]]) -> None:
         """See `Outside`."""
@@ -135,11 +135,11 @@ class Inside:
         np.save("bare.npy", np.stack([np.arange(first, last + 1), published], axis=1))
 
     def close(self) -> None:
-        """Nothing is left to end."""
+        """Do nothing: no process has to end."""
 
 
 def feed_of(name: str, where: str) -> feeds.Feed:
-    """The feed that hears a robot of `benchmarks.middleware`."""
+    """Return the feed of a robot of `benchmarks.middleware`."""
     if name == "dds":
         return feeds.dds(DOMAIN, interface="lo")
     if name == "ros2":
@@ -151,12 +151,12 @@ def feed_of(name: str, where: str) -> feeds.Feed:
 
 
 def number_of(scan: Scan) -> int:
-    """What a scan says, in the seconds of its stamp; 0 is no stamp."""
+    """Return the number of a scan, in the seconds of its stamp, or 0 without a stamp."""
     return (scan.stamp_ns or 0) // 1_000_000_000
 
 
 class Source:
-    """Widgets on a feed, and whom it hears: see `kernel.Source`, whose methods it has."""
+    """Widgets on a feed, and its robot, with the methods of `kernel.Source`."""
 
     def __init__(self, name: str, count: int = 1) -> None:
         self._lasers = [LaserWidget() for _ in range(count)]
@@ -176,12 +176,12 @@ class Source:
             display(laser)  # type: ignore[no-untyped-call]
 
     def put(self, number: int) -> None:
-        """Show one number, outside any run."""
+        """Show one number, outside of a run."""
         for laser in self._lasers:
             laser.update(ranges=encode(number), **SETTINGS)
 
     def pace(self, hz: float, seconds: float) -> None:
-        """Have the robot publish at a rate, while this cell waits as a program does."""
+        """Publish scans of the robot at a rate, while this cell waits like a program."""
         first = self._number + 1
         self._heard.clear()
         cpu, began = time.process_time(), time.perf_counter()
@@ -192,7 +192,7 @@ class Source:
         self._tell(first, time.perf_counter() - began, spent)
 
     def direct(self, hz: float, seconds: float) -> None:
-        """Hand scans to the first widget without any feed, at a rate: the widget's own latency."""
+        """Pass scans to the first widget at a rate without a feed, to measure the latency of the widget."""
         wander = random.Random(2)
         laser, first = self._lasers[0], self._number + 1
         stamps, due = [], time.perf_counter()

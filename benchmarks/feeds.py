@@ -1,4 +1,4 @@
-"""What is measured of feeds: from publishing in another process to paint, beside a bare subscriber's callback."""
+"""The times of feeds from publishing in another process to paint, compared with a bare subscriber's callback."""
 
 from __future__ import annotations
 
@@ -20,32 +20,32 @@ from .middleware import SYSTEM
 from .stage import Run, Show, Stage
 
 BLOCK = 20
-"""Scans in a row that are drawn together, for one may hold up the next."""
+"""The length of a block of consecutive scans in the bootstrap, because a scan may delay the next."""
 TURNS = 4
-"""How often the feed and the widget alone take turns in a notebook."""
+"""The number of turns of the feed and of the widget alone in a notebook."""
 
 
 @dataclass
 class Figures:
-    """One feed, at 40 Hz. Milliseconds since publishing, medians, but for the share of a core."""
+    """One feed at 40 Hz: medians of milliseconds since publishing, and the share of a core."""
 
     bare: float
-    """To the callback of a bare subscriber, in a process of its own."""
+    """To the callback of a bare subscriber in a separate process."""
     handed: float
     """To a function that is connected to the feed."""
     painted: float
     painted_p95: float
     widget: float
-    """From `update` to paint, without a feed: the widget's own."""
+    """From `update` to paint, without a feed."""
     added: tuple[float, float, float]
-    """What the feed adds to the bare subscriber and the widget: the mean, and the interval that holds it with 95 %."""
+    """The mean time that the feed adds to the bare subscriber and the widget, and its 95 % confidence interval."""
     core: float
-    """Per cent of a core that the kernel takes with four widgets at once."""
+    """The load of the kernel with four widgets, in per cent of a core."""
 
 
 @dataclass
 class Endurance:
-    """A stretch of a minute at 1000 Hz. Milliseconds and megabytes."""
+    """A part of a minute at 1000 Hz, in milliseconds and megabytes."""
 
     latency: float
     latency_p95: float
@@ -54,18 +54,18 @@ class Endurance:
 
 
 def available() -> list[str]:
-    """The feeds that can be measured here."""
+    """Return the feeds that can be measured on this machine."""
     ros1, ros2 = Path(SYSTEM, "rospy").is_dir(), find_spec("rclpy") is not None
     return ["dds", "foxglove", "rosbridge", *["ros1"] * ros1, *["ros2"] * ros2, *MADE]
 
 
 def compare(stage: Stage, name: str, seconds: float, repeats: int) -> Figures:
-    """Some repeats together, each in a fresh kernel and page."""
+    """Measure some repeats, each in a fresh kernel and page."""
     found = [once(stage, name, seconds) for _ in range(repeats)]
     with_feed, alone = ([run for one in found for run in one[part]] for part in ("with_feed", "alone"))
     painted = np.concatenate([run.latencies for run, _, _ in with_feed])
     bare, handed = (np.concatenate([run[part] for run in with_feed]) for part in (1, 2))
-    # Of each scan that was painted, from the bare subscriber's callback.
+    # For each painted scan, from the bare subscriber's callback.
     since_bare = [run.latencies - since[run.painted[:, 2].astype(int) - run.first] for run, since, _ in with_feed]
     return Figures(
         bare=float(np.nanmedian(bare)),
@@ -79,7 +79,7 @@ def compare(stage: Stage, name: str, seconds: float, repeats: int) -> Figures:
 
 
 def once(stage: Stage, name: str, seconds: float) -> dict[str, Any]:
-    """One feed and its widget alone in turn, in one fresh notebook; and four widgets in another."""
+    """Measure a feed and the widget alone in turn, in a fresh notebook, and four widgets in another notebook."""
     with_feed, alone = [], []
     with opened(stage, name) as show:
         for _ in range(TURNS):
@@ -92,7 +92,7 @@ def once(stage: Stage, name: str, seconds: float) -> dict[str, Any]:
 
 
 def difference(ours: list[NDArray[Any]], theirs: list[NDArray[Any]]) -> tuple[float, float, float]:
-    """Of the means of two: the difference, and the interval that holds it with 95 %, by drawing blocks of them anew."""
+    """Return the difference of two means and its 95 % confidence interval, by a bootstrap of blocks."""
     draw = np.random.default_rng(1)
 
     def means(runs: list[NDArray[Any]]) -> NDArray[Any]:
@@ -106,7 +106,7 @@ def difference(ours: list[NDArray[Any]], theirs: list[NDArray[Any]]) -> tuple[fl
 
 
 def endure(stage: Stage, name: str, seconds: float, stretch: float) -> tuple[Endurance, Endurance]:
-    """The first and the last stretch of a long time at 1000 Hz."""
+    """Measure the first and the last part of a long time at 1000 Hz."""
     with opened(stage, name) as show:
         kernel = psutil.Process(int(show.notebook.python("import os; print(os.getpid())")))
         show.start(f"pace(1000, {seconds})")
@@ -123,7 +123,7 @@ def endure(stage: Stage, name: str, seconds: float, stretch: float) -> tuple[End
 
 
 def since_published(stage: Stage, run: Run, file: str) -> NDArray[np.float64]:
-    """Of each scan the milliseconds from publishing to a callback, which noted number and microseconds; NaN: never."""
+    """Return milliseconds from publishing to a callback for each scan, from the callback's file; NaN if it missed."""
     noted: NDArray[Any] = np.load(stage.lab.files / file)
     noted = noted[(noted[:, 0] >= run.first) & (noted[:, 0] < run.first + len(run.stamps))]
     since = np.full(len(run.stamps), np.nan)
@@ -133,7 +133,7 @@ def since_published(stage: Stage, run: Run, file: str) -> NDArray[np.float64]:
 
 @contextmanager
 def opened(stage: Stage, name: str, count: int = 1) -> Iterator[Show]:
-    """A notebook with widgets on a feed, whose page can read them."""
+    """Open a notebook with widgets on a feed that the page can read."""
     with stage.show(name, count=count, module="feed_kernel") as show:
         show.first_paint()
         show.learn()

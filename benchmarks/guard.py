@@ -1,7 +1,7 @@
-"""What reaches a robot in another process when the process that drives it is killed, stands still, or holds the GIL.
+"""The commands that reach a robot in another process if the driving process is killed, is suspended, or holds the GIL.
 
-`python -m benchmarks.guard` tells, of each fault and each middleware, after how long zero came, with a guard beside the
-process and without, and how soon a command reaches the robot.
+`python -m benchmarks.guard` prints, for each fault and each middleware, the time until zero came, with and without a
+guard, and the time until a command reaches the robot.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from .stopping import BESIDE, OPEN, STAND_IN, SYSTEM, ServedKernel, available, r
 WITHIN = 0.6
 """Seconds within which zero is due."""
 WATCHED = 2.0
-"""Seconds after a fault in which a zero is waited for, and nothing may move."""
+"""Seconds after a fault in which zero must come and nothing else may be driven."""
 HELD = 2.0
-"""Seconds for which code holds the GIL, where no others are asked for."""
+"""The default seconds for which code holds the GIL."""
 
 FORKING = """
 import ctypes, json, os, signal, sys
@@ -42,7 +42,7 @@ for line in sys.stdin:
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         exec(json.loads(line))
 """
-"""Has imported what drives, and makes a process of each line: most of the time of a try would go into imports."""
+"""A process that has done the imports, and forks for each line, because imports would take most of the time."""
 
 DRIVER = """
 import ctypes, os, signal, sys, threading, time
@@ -53,17 +53,17 @@ from robowidgets.behaviors import Drive
 feed = {opened}
 feed.driving = feeds.Driving(hold=60.0)
 def at():
-    with open({said!r}, "a") as said:
-        print(os.getpid(), time.monotonic(), file=said)
+    with open({log!r}, "a") as log:
+        print(os.getpid(), time.monotonic(), file=log)
 def drive(seconds):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        with suppress(feeds.FeedError):  # where the machine has so much else to do that the guard stops the robot
+        with suppress(feeds.FeedError):  # the guard stops the robot on a busy machine
             feed.drive(0.3)
         time.sleep(0.05)
 while feed.status:
     time.sleep(0.05)
-for _ in range(60):  # which of them tell who listens, and when, differs
+for _ in range(60):  # middlewares differ in when they report subscribers
     if not any(topic.name == "/cmd_vel" and topic.wanted for topic in feed.topics):
         time.sleep(0.05)
 began = time.monotonic()
@@ -76,11 +76,11 @@ while not moves():  # a fault before the robot has heard anything shows nothing
 drive(0.5)
 {fault}
 """
-"""A program with speeds that hold for a minute: no zero of the hold hides a missing one."""
+"""A program with speeds that hold for a minute, so that the zero after a hold does not hide a missing zero."""
 
 PAUSE = "pause of both"
 PAUSED = 1.5
-"""Seconds for which the process that drives is paused with its guard."""
+"""Seconds for which the driving process and its guard are paused."""
 
 FAULTS = {
     "kill -9": "at(); drive(60)",
@@ -94,8 +94,8 @@ while True:
     try:
         feed.drive(0.3)
     except feeds.FeedError as error:
-        with open({said!r}, "a") as said:
-            print("refused:", error, file=said)
+        with open({log!r}, "a") as log:
+            print("refused:", error, file=log)
     time.sleep(0.05)
 """,
     "os._exit": "at(); os._exit(3)",
@@ -131,13 +131,13 @@ time.sleep(60)
 """,
     "server killed": "at(); drive(60)",
 }
-"""What is done then. To a kernel, a page that is gone is one that says no more that the pad is held."""
+"""The code for each fault. For a kernel, a closed page is a page that no longer reports the pressed pad."""
 
-OF_ONE = {"ros2": {"SIGTERM beside rclpy": "import rclpy; rclpy.init(domain_id=7); at(); drive(60)"}}
-"""By middleware: faults that it alone has. rclpy handles SIGTERM, and the process goes on."""
+OF_ONE = {"ros2": {"SIGTERM with rclpy": "import rclpy; rclpy.init(domain_id=7); at(); drive(60)"}}
+"""The faults of a single middleware. rclpy handles SIGTERM, and the process goes on."""
 
 OURS = "ROBOWIDGETS_BENCHMARK"
-"""In the environment of all that this process starts: its number."""
+"""The environment variable with the id of this process, for all processes that it starts."""
 os.environ[OURS] = str(os.getpid())
 
 SIGNALS = {
@@ -146,9 +146,9 @@ SIGNALS = {
     "SIGINT": signal.SIGINT,
     "SIGTERM": signal.SIGTERM,
     "SIGHUP": signal.SIGHUP,
-    "SIGTERM beside rclpy": signal.SIGTERM,
+    "SIGTERM with rclpy": signal.SIGTERM,
 }
-"""Those that come from outside, in the midst of driving."""
+"""The signals that come from outside during driving."""
 
 
 LATENCY = """
@@ -170,12 +170,12 @@ while len(sent) < {count}:
 feed.close()
 print(json.dumps(list(sent.items())))
 """
-"""Each scan is answered by a speed of its own."""
+"""Each scan is answered by a different speed."""
 
 
 @dataclass
 class Fault:
-    """Seconds from a fault until zero stays, each time; infinite where it did not."""
+    """Seconds of each try from a fault until zero stays, or infinite if it did not."""
 
     feed: str
     fault: str
@@ -184,7 +184,7 @@ class Fault:
 
 
 class Driven:
-    """A process that drives a robot, known by its number."""
+    """A process that drives a robot, given by its id."""
 
     def __init__(self, pid: int) -> None:
         self.pid = pid
@@ -199,31 +199,31 @@ class Driven:
 
 
 class Drivers:
-    """Makes the processes that drive one robot.
+    """The factory of processes that drive one robot.
 
     Args:
         name: the middleware.
         where: the robot.
         path: the log of the robot.
-        guarded: whether guards are there.
-        held: seconds for which code holds the GIL.
+        guarded: True to use guards.
+        held: the seconds for which code holds the GIL.
     """
 
     def __init__(self, name: str, where: str, path: Path, *, guarded: bool = True, held: float = HELD) -> None:
         self._faults = {**FAULTS, **OF_ONE.get(name, {})}
         self._given = {"system": SYSTEM, "ros1": name == "ros1", "opened": OPEN[name].format(where=where)}
         self._beside = STAND_IN.format(path=str(path), folder=BESIDE) if name == "ros2" else ""
-        self._held, self._heard, self._said = round(held * 1e6), path, path.with_name("said.txt")
+        self._held, self._heard, self._log = round(held * 1e6), path, path.with_name("said.txt")
         self._environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}
         command = [sys.executable, "-c", self._beside + FORKING.format(**self._given)]
         self._forking = subprocess.Popen(command, stdin=subprocess.PIPE, text=True, env=self._environment)
 
     @contextmanager
     def driving(self, fault: str) -> Iterator[tuple[Driven, float]]:
-        """A process that drives and has a fault; with the monotonic time of that."""
-        self._said.unlink(missing_ok=True)
-        what = self._faults[fault].format(held=self._held, said=str(self._said))
-        code = self._beside + DRIVER.format(**self._given, said=str(self._said), heard=str(self._heard), fault=what)
+        """Start a process that drives and has a fault. Yield it with the monotonic time of the fault."""
+        self._log.unlink(missing_ok=True)
+        what = self._faults[fault].format(held=self._held, log=str(self._log))
+        code = self._beside + DRIVER.format(**self._given, log=str(self._log), heard=str(self._heard), fault=what)
         with ExitStack() as ends:
             server = None
             if fault == "server killed":
@@ -234,9 +234,9 @@ class Drivers:
             else:
                 assert self._forking.stdin is not None
                 print(json.dumps(code), file=self._forking.stdin, flush=True)
-            while not self._said.exists() or not self._said.read_text().endswith("\n"):
+            while not self._log.exists() or not self._log.read_text().endswith("\n"):
                 time.sleep(0.005)
-            pid, told = self._said.read_text().split()[:2]
+            pid, told = self._log.read_text().split()[:2]
             process, at = Driven(int(pid)), float(told)
             ends.callback(process.signal, signal.SIGKILL)
             if fault == PAUSE:
@@ -255,8 +255,8 @@ class Drivers:
 
     @property
     def refused(self) -> str:
-        """The errors of the speeds that were refused since, a line for each."""
-        lines = self._said.read_text().splitlines() if self._said.exists() else []
+        """The errors of the refused speeds, a line for each."""
+        lines = self._log.read_text().splitlines() if self._log.exists() else []
         return "\n".join(line for line in lines if line.startswith("refused:"))
 
     def close(self) -> None:
@@ -266,21 +266,21 @@ class Drivers:
 
 
 def heard(path: Path, since: float) -> list[tuple[float, float]]:
-    """The times and forward speeds that a robot has logged since a time."""
+    """Return the times and forward speeds that a robot has logged since a time."""
     lines = [line.split() for line in path.read_text().split("\n")[:-1]]
     return [(float(at), float(linear)) for at, linear, _ in lines if float(at) >= since]
 
 
 def until_zero(path: Path, fault: float, watched: float = WATCHED) -> float:
-    """Seconds from a fault until zero stays; infinite where the last that came in time was a speed, or nothing came."""
+    """Return seconds from a fault until zero stays; infinite if the last command in time was not zero or missing."""
     time.sleep(max(0.0, fault + watched - time.monotonic()))
-    since = [(at, speed) for at, speed in heard(path, fault) if at < fault + watched]  # it may be later by now
+    since = [(at, speed) for at, speed in heard(path, fault) if at < fault + watched]  # more time may have passed
     moved = max((at for at, speed in since if speed), default=fault)
     return min((at for at, speed in since if not speed and at > moved), default=math.inf) - fault
 
 
 def measured(name: str, times: int, *, guarded: bool, faults: Sequence[str], held: float) -> None:
-    """Every fault, on one middleware."""
+    """Measure and print all faults on one middleware."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "heard.txt")
         path.touch()
@@ -294,7 +294,7 @@ def measured(name: str, times: int, *, guarded: bool, faults: Sequence[str], hel
 
 
 def told(one: Fault) -> str:
-    """A line on it."""
+    """Return a line about a fault."""
     came = sorted(one.seconds)
     late = sum(seconds > WITHIN for seconds in came)
     way = "guard" if one.guarded else "kernel"
@@ -305,12 +305,15 @@ def told(one: Fault) -> str:
 
 
 def latency(name: str, count: int, *, guarded: bool) -> list[float]:
-    """Seconds from the call of a function with a scan until its speed is at the robot."""
+    """Return seconds from the call of a function with a scan until its speed reaches the robot."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "heard.txt")
         path.touch()
         with robot(name, path) as where:
-            environment = {**os.environ, "ROBOWIDGETS_GUARD": "on" if guarded else "off"}  # the robot adds to it
+            environment = {
+                **os.environ,
+                "ROBOWIDGETS_GUARD": "on" if guarded else "off",
+            }  # the robot extends it
             code = LATENCY.format(
                 system=SYSTEM, ros1=name == "ros1", opened=OPEN[name].format(where=where), count=count
             )
@@ -322,7 +325,7 @@ def latency(name: str, count: int, *, guarded: bool) -> list[float]:
 
 
 def left_behind(name: str, kernels: int) -> int:
-    """How many guards are there more after so many processes ended, in every way in turn, than before."""
+    """Return the increase in the number of guards after some processes ended, in every way in turn."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "heard.txt")
         path.touch()
@@ -339,13 +342,13 @@ def left_behind(name: str, kernels: int) -> int:
 
 
 def guards() -> set[int]:
-    """The processes that are guards, of what this process has started."""
+    """Return the ids of the guards among the children of this process."""
     found = subprocess.run(["pgrep", "-f", "robowidgets.feeds._guard.process"], stdout=subprocess.PIPE, text=True)
     return {int(pid) for pid in found.stdout.split() if _is_ours(Path(f"/proc/{pid}/environ"))}
 
 
 def _parent(pid: int) -> int:
-    """The parent of a process, or 0 if it has ended."""
+    """Return the parent of a process, or 0 if it has ended."""
     with suppress(OSError):
         return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
     return 0

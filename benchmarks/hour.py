@@ -1,4 +1,4 @@
-"""An hour of a robot at 40 Hz: a person freezes, steps and zooms, and the page is hidden for a sixth of the time."""
+"""An hour of a robot at 40 Hz. A user freezes, steps and zooms, and the page is hidden for a sixth of the time."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from tests.browser.page_memory import PageMemory
 from .stage import Stage
 
 WARM_UP = 90.0
-"""Seconds until histories are full, and what is made once is made."""
+"""Seconds until histories are full and all objects that are made once exist."""
 
 STEPS = 20
 SEEN_FOR_MS = 1500
-"""How long the page is watched after it is seen again."""
+"""The time to watch the page after it is visible again."""
 
-# A hidden page gets messages but no animation frames. Chromium without a screen cannot hide one.
+# A hidden page gets messages but no animation frames. Headless Chromium cannot hide a page.
 HIDE = """() => {
     const [frame, cancel] = [window.requestAnimationFrame, window.cancelAnimationFrame];
     const held = new Map();
@@ -31,7 +31,7 @@ HIDE = """() => {
         for (const call of held.values()) frame(call);
     };
 }"""
-# When the page is seen, and after each frame from then on the time and the number on show.
+# The time when the page is visible, and after each later frame the time and the number on show.
 SEE = """(ms) => new Promise((done) => {
     const from = Date.now();
     const value = document.querySelector(".rw-speed [data-axis='0'] .rw-value");
@@ -48,7 +48,7 @@ SEE = """(ms) => new Promise((done) => {
 
 @dataclass(frozen=True)
 class Minute:
-    """What page and kernel keep at some time."""
+    """The memory of page and kernel at some time."""
 
     seconds: float
     nodes: int
@@ -61,27 +61,27 @@ class Minute:
 
 @dataclass(frozen=True)
 class Hour:
-    """What a run showed."""
+    """The results of a run."""
 
     minutes: list[Minute]
     hidden: float
     """Seconds for which the page was hidden."""
     late: float
-    """Milliseconds from when the page was seen again to the first frame that shows a sample of that time or later."""
+    """Milliseconds from when the page became visible to the first frame with a sample of that time or later."""
     age: float
     """Milliseconds by which the sample in that frame is older than the frame."""
     usual_age: float
-    """The same for the frames of the second after it: what the machine takes anyway."""
+    """The same for the frames of the next second, for comparison."""
 
     @property
     def ends(self) -> tuple[Minute, Minute]:
-        """The medians of the first and of the last third."""
+        """The medians of the first third and of the last third."""
         third = max(1, len(self.minutes) // 3)
         return _middle(self.minutes[:third]), _middle(self.minutes[-third:])
 
 
 def run(stage: Stage, minutes: float) -> Hour:
-    """Watch a robot for some minutes, and what page and kernel keep of it."""
+    """Watch a robot for some minutes, and the memory of page and kernel."""
     with stage.show("robot", module="hour_kernel") as shown:
         notebook = shown.notebook
         page, memory = notebook.page, PageMemory(notebook.page)
@@ -108,7 +108,7 @@ def run(stage: Stage, minutes: float) -> Hour:
         stamps = np.load(notebook.lab.files / "stamps.npy")
     if seen:
         at, rows = seen
-        due = int(np.searchsorted(stamps[1:], at))  # the number of the last sample by then
+        due = int(np.searchsorted(stamps[1:], at))  # the number of the last sample at that time
         shown_at, number = next(((when, int(number)) for when, number in rows if number >= due), (float("inf"), 0))
         late, age = shown_at - at, shown_at - float(stamps[number])
         ages = [when - float(stamps[int(number)]) for when, number in rows if when > shown_at]
@@ -117,7 +117,7 @@ def run(stage: Stage, minutes: float) -> Hour:
 
 
 def _use(page: object) -> None:
-    """Freeze all, step back and on, zoom out and in, and release."""
+    """Freeze all widgets, step back and forward, zoom out and in, and release."""
     laser = page.locator(".rw-laser")  # type: ignore[attr-defined]
     laser.locator(".rw-freeze").click()
     for key in [","] * STEPS + ["."] * (STEPS // 2):

@@ -1,4 +1,4 @@
-"""What runs in the notebook's kernel for an hour: a robot whose laser, speed and touch sensor report at 40 Hz."""
+"""The code in the notebook's kernel for an hour: a robot with laser, speed and touch sensor at 40 Hz."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CAPACITY = 1 << 22
 
 
 class Source:
-    """Samples numbered from 1 on, and when each of them was handed over; the speed widget says the number."""
+    """Samples numbered from 1 on, and the time of each `update`. The speed widget shows the number."""
 
     def __init__(self, _name: str, _count: int) -> None:
         self._laser, self._speed, self._touch = (
@@ -28,7 +28,7 @@ class Source:
             TouchWidget(),
         )
         self._ended = threading.Event()
-        # Milliseconds since the epoch; touched once, so that the run takes no memory.
+        # Milliseconds since the epoch; written once, so that the run allocates no memory.
         self._stamps = np.ones(CAPACITY)
         self._number = 0
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -39,13 +39,13 @@ class Source:
         self._thread.start()
 
     def stop(self) -> None:
-        """End the robot, and write down when each sample was handed over."""
+        """End the robot, and save the time of each `update`."""
         self._ended.set()
         self._thread.join()
         np.save("stamps.npy", self._stamps[: self._number + 1])
 
     def resident(self) -> int:
-        """Bytes of memory that the kernel's process has."""
+        """Return the bytes of memory of the kernel's process."""
         line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmRSS:"))
         return int(line.split()[1]) * 1000
 

@@ -1,4 +1,4 @@
-"""Feeds whose robot is in the process of the kernel: what they say, and when it is due."""
+"""Feeds with a robot in the process of the kernel: their scans, and the times when these are due."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from .scan import ANGLE_INCREMENT, RANGE_MAX, RANGE_MIN, RAY_COUNT, encode
 
 SECOND = 1_000_000_000
 LEAD = 0.5
-"""Seconds before the first scan that counts: the feed is connected, its words go away, and scans say 0."""
+"""Seconds before the first counted scan: the feed connects, its notes disappear, and scans have the number 0."""
 TAIL = 0.5
-"""Seconds for which the last scan is said again: where a recording ends, the widget says so, and its picture moves."""
+"""Seconds in which the last scan is repeated, because a note at the end of a recording moves the picture."""
 
 
 def steps(hz: float, count: int) -> NDArray[np.float64]:
-    """Seconds from each scan to the next, off by up to a tenth, so that they meet every phase of the display."""
+    """Return seconds from each scan to the next. They vary by a tenth, to meet every phase of the display."""
     return np.random.default_rng(1).uniform(0.9, 1.1, count) / hz
 
 
 def recorded(first: int, hz: float, seconds: float) -> tuple[Feed, NDArray[np.float64]]:
-    """A recording that is played, and the seconds at which its scans are due."""
+    """Return the feed of a recording, and the seconds at which its scans are due."""
     due = LEAD + np.cumsum(steps(hz, round(hz * seconds)))
     path = Path(tempfile.mkdtemp()) / "scans"
     before, after = np.arange(0, LEAD, 1 / hz), due[-1] + np.arange(1 / hz, TAIL, 1 / hz)
@@ -43,7 +43,7 @@ def recorded(first: int, hz: float, seconds: float) -> tuple[Feed, NDArray[np.fl
 
 
 class Counting(Robot):
-    """A robot whose scans say one number after the other; its scanner does all the work for them all the same."""
+    """A robot with consecutive numbers in its scans. Its scanner still does all the usual work."""
 
     def __init__(self, numbers: Iterator[int]) -> None:
         scanner = Scanner(RAY_COUNT, ANGLE_INCREMENT * (RAY_COUNT - 1), RANGE_MIN, RANGE_MAX, rate=200.0)
@@ -63,7 +63,7 @@ class Counting(Robot):
 
 
 def simulated(first: int, hz: float, seconds: float) -> tuple[Feed, NDArray[np.float64]]:
-    """The simulated robot, and the seconds at which its scans are due: without end, one each step, all alike."""
+    """Return the feed of the simulated robot, and the seconds at which its scans are due, with constant steps."""
     hz *= 0.93  # at 40 Hz, every second scan would meet the same phase of the display
     count = round(hz * seconds)
     last = first + count - 1

@@ -1,4 +1,4 @@
-"""What runs in the notebook's kernel: it makes scans and hands them to a widget, in the main thread of a busy cell."""
+"""The code in the notebook's kernel, which passes scans to a widget in the main thread of a busy cell."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ CAPACITY = 1 << 23
 
 
 class Source:
-    """Scans numbered from 1 on, and when each of them was handed over."""
+    """Scans numbered from 1 on, and the time of each `update`."""
 
     def __init__(self, rival: str, count: int = 1) -> None:
         self._module = importlib.import_module(f"benchmarks.rivals.{rival}")
         self._count = count
         self._updates: list[Any] = []
-        # Microseconds since now; touched once, so that a run takes no memory.
+        # Microseconds since now; written once, so that a run allocates no memory.
         self._epoch = time.time_ns() // 1000
         self._stamps = np.ones(CAPACITY, np.uint32)
         self._number = 0
 
     def show(self) -> None:
-        """Display the widgets, each with the scan that says 0."""
+        """Display the widgets, each with the scan of number 0."""
         for _ in range(self._count):
             shown, update = self._module.make(encode(0))
             self._updates.append(update)
             display(shown)  # type: ignore[no-untyped-call]
 
     def put(self, number: int) -> None:
-        """Show one number, outside any run."""
+        """Show one number, outside of a run."""
         for update in self._updates:
             update(encode(number))
 
     def pace(self, hz: float, seconds: float) -> None:
-        """Hand over scans at a rate. The steps vary by a tenth, so that they meet every phase of the display."""
+        """Pass on scans at a rate. The steps vary by a tenth, to meet every phase of the display."""
         wander = random.Random(1)
         due = time.perf_counter()
 
@@ -55,7 +55,7 @@ class Source:
         self._run(round(hz * seconds), float("inf"), wait)
 
     def flood(self, seconds: float) -> None:
-        """Hand over scans as fast as the widget takes them."""
+        """Pass on scans as fast as the widget takes them."""
         self._run(CAPACITY, seconds, lambda: None)
 
     def _run(self, count: int, seconds: float, wait: Any) -> None:
@@ -77,7 +77,7 @@ class Source:
             "seconds": time.perf_counter() - start,
             "cpu": time.process_time() - cpu,
         }
-        # By file: what is printed would queue behind the scans that the page has not shown yet.
+        # In a file, because prints would queue behind the scans that the page has not shown yet.
         np.save("stamps.npy", stamps[first:number])
         Path("facts.json").write_text(json.dumps(facts))
         os.replace("facts.json", f"facts-{first}.json")

@@ -1,4 +1,4 @@
-"""What is measured of pictures and clouds beside a laser at 40 Hz, and of the same bytes on a bare canvas."""
+"""The times of pictures and clouds together with a laser at 40 Hz, and of the same bytes on a bare canvas."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NAMES = {
 }
 VIEWS = {"bare": "canvas[width='640']", "ours": ".rw-image, .rw-cloud", "all": ".rw-cloud"}
 SETTLING = 2.0
-"""Seconds of a run before anything counts."""
+"""Seconds at the beginning of a run that do not count."""
 IN_VIEW = """(view) => {
   const { top, bottom } = view.getBoundingClientRect();
   return bottom > 0 && top < innerHeight;
@@ -31,14 +31,14 @@ IN_VIEW = """(view) => {
 
 @dataclass(frozen=True)
 class Large:
-    """A picture beside a laser at 40 Hz. Milliseconds, and per cent of a core."""
+    """A picture together with a laser at 40 Hz, in milliseconds and per cent of a core."""
 
     late: float
-    """From `update` until the kernel has heard that it is drawn."""
+    """From `update` until the page has reported to the kernel that it is drawn."""
     late_p95: float
     per_second: float
     behind: float
-    """How many newer ones had come by then, in the middle."""
+    """The median number of newer pictures at that time."""
     behind_most: float
     laser: float
     """From `update` to paint."""
@@ -49,7 +49,7 @@ class Large:
 
 
 def compare(stage: Stage, seconds: float, repeats: int) -> dict[str, Large]:
-    """The medians of some repeats, in turn, each in a fresh notebook."""
+    """Return the medians of some repeats, in turn, each in a fresh notebook."""
     found: dict[str, list[Large]] = {name: [] for name in NAMES}
     for _ in range(repeats):
         for name, ones in found.items():
@@ -62,7 +62,7 @@ def compare(stage: Stage, seconds: float, repeats: int) -> dict[str, Large]:
 
 
 def once(stage: Stage, name: str, seconds: float) -> Large:
-    """One fresh notebook."""
+    """Measure in a fresh notebook."""
     with stage.show(name, module="large_kernel") as show:
         show.first_paint(".rw-laser")
         show.learn()
@@ -72,7 +72,7 @@ def once(stage: Stage, name: str, seconds: float) -> Large:
             views.append(page.locator(VIEWS[whose]).last)
         show.start(f"pace(40, {SETTLING + seconds}, {SETTLING})")
         page.wait_for_timeout(500 * SETTLING)
-        # What is out of sight is drawn twice a second, and the cell of the run has scrolled some of it there.
+        # The cell of the run has scrolled, and views out of sight are drawn only twice a second.
         views[-1].evaluate("view => view.scrollIntoView({ block: 'end' })")
         page.wait_for_timeout(500 * SETTLING)
         before = show.page_cpu()

@@ -1,4 +1,4 @@
-"""What runs in the notebook's kernel to measure a picture or a cloud beside a laser: both are updated."""
+"""The code in the notebook's kernel that updates a picture or a cloud together with a laser."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from . import kernel
 RATES = {"color": 30.0, "photo": 30.0, "depth": 10.0, "cloud": 10.0}
 POINTS, DRAWN_OF = 100_000, 4
 DIFFERENT = 8
-"""Pictures that come in turn."""
+"""The number of different pictures."""
 
 BARE = """
 export default {
@@ -61,7 +61,7 @@ export default {
 
 
 class Bare(anywidget.AnyWidget):
-    """The same bytes on a canvas, and nothing else: the next ones go when the last ones are drawn."""
+    """A bare canvas for the same bytes. The next picture is sent once the last one is drawn."""
 
     _esm = BARE
 
@@ -74,7 +74,7 @@ class Bare(anywidget.AnyWidget):
         route_by_message(self.comm)
 
     def update(self, number: int, pixels: NDArray[Any]) -> None:
-        """Send it, or keep it until the one before is drawn."""
+        """Send a picture, or keep it until the previous one is drawn."""
         with self._lock:
             self._newest = number, (pixels if self._each else pixels[::DRAWN_OF]).tobytes()
             is_free, self._is_free = self._is_free, False
@@ -95,14 +95,14 @@ class Bare(anywidget.AnyWidget):
 
 
 class Source(kernel.Source):
-    """A laser, and beside it a large view or nothing: ``color-ours``, ``cloud-bare``, ``alone``."""
+    """A laser with a large view or alone: ``color-ours``, ``cloud-bare``, ``alone``."""
 
     def __init__(self, name: str, _count: int) -> None:
         super().__init__("laser", 1)
         self._kind, _, self._whose = name.partition("-")
         self._times: list[float] = []
         self._drawn: dict[int, tuple[int, float]] = {}
-        """By the number of what was drawn, that of the newest by then, and the time."""
+        """By the number of a drawn picture: the number of the newest picture at that time, and the time."""
         self._span = 0.0, 0.0
         self._ends = threading.Event()
         noise = np.random.default_rng(1)
@@ -133,7 +133,7 @@ class Source(kernel.Source):
             display(self._large)  # type: ignore[no-untyped-call]
 
     def pace(self, hz: float, seconds: float, settling: float = 0.0) -> None:
-        """See `kernel.Source`; of what is beside the laser, the first seconds do not count."""
+        """See `kernel.Source`. The first seconds of the large view do not count."""
         if self._large is not None:
             threading.Thread(target=self._pace_large, daemon=True).start()
         begin = time.perf_counter()
@@ -142,10 +142,10 @@ class Source(kernel.Source):
         self._ends.set()
 
     def told(self) -> None:
-        """Write what was drawn: milliseconds from `update` until that was heard, how many a second, and how old."""
+        """Save the milliseconds from `update` to the report of drawing, the pictures per second, and their ages."""
         begin, end = self._span
         counts = {number: (newest, at) for number, (newest, at) in self._drawn.items() if begin <= at <= end}
-        # Without any, nothing is said of them.
+        # Without a large view, the figures are NaN.
         late = [1000 * (at - self._times[number - 1]) for number, (_, at) in counts.items()] or [float("nan")]
         behind = [newest - number for number, (newest, _) in counts.items()] or [float("nan")]
         found = {

@@ -1,4 +1,4 @@
-"""What the layers of the laser cost: everything on beside the plain widget, and how a dragged sector follows."""
+"""The cost of the layers of the laser compared with the plain widget, and the frame rate of dragging a sector."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .stage import Stage
 
 HZ = 40
 COUNTS = (1040, 20_000)
-"""Rays of the scans on which a sector is dragged."""
+"""The numbers of rays of the scans on which a sector is dragged."""
 
 _MAKE = """
 import numpy as np
@@ -32,19 +32,19 @@ async (picture, seconds) => {
     picture.setPointerCapture = () => {};
     const frame = () => new Promise(requestAnimationFrame);
     send("pointerdown", 0);
-    const said = new Set();
+    const chips = new Set();
     await frame();
     const start = performance.now();
     let frames = 0;
     while (performance.now() - start < 1000 * seconds) {
         send("pointermove", 0.3 + 0.8 * Math.abs(Math.sin((performance.now() - start) / 700)));
         await frame();
-        said.add(chip());
+        chips.add(chip());
         frames++;
     }
     const rate = (1000 * frames) / (performance.now() - start);
     send("pointerup", 1);
-    return [rate, said.size];
+    return [rate, chips.size];
 }
 """
 
@@ -62,7 +62,7 @@ class Cost:
 
 
 def compare(stage: Stage, repeats: int, seconds: float) -> dict[str, Cost]:
-    """The plain widget and the one with everything on, in turn."""
+    """Measure the plain widget and the widget with all layers in turn."""
     found: dict[str, list[Cost]] = {"laser": [], "layers": []}
     for _ in range(repeats):
         for name, costs in found.items():
@@ -79,13 +79,13 @@ def _measured(stage: Stage, name: str, seconds: float) -> Cost:
         show.learn()
         run = show.run(f"pace({HZ}, {seconds})", PATIENCE)
     if run.unread:
-        print(f"  {run.unread} frames of {name} said no number")
+        print(f"  {run.unread} frames of {name} had no readable number")
     painted = HZ * painted_within(run) / len(run.stamps)
     return Cost(painted=painted, latency=quantile(run, 50), cpu=1000 * run.cpu / len(run.stamps))
 
 
 def drags(stage: Stage, seconds: float) -> dict[int, float]:
-    """Frames per second in which a sector that is dragged follows the pointer, by the number of rays."""
+    """Return the frames per second in which a dragged sector follows the pointer, by the number of rays."""
     found = {}
     with stage.show("laser") as show:
         notebook = show.notebook
@@ -94,7 +94,7 @@ def drags(stage: Stage, seconds: float) -> dict[int, float]:
             notebook.run(cell)
             picture = notebook.widget(cell).locator(".rw-picture")
             picture.scroll_into_view_if_needed()
-            found[count], said = picture.evaluate(_DRAG, seconds)
-            if said < 5:
-                raise RuntimeError(f"the sector did not follow: its chip said {said} slices")
+            found[count], slices = picture.evaluate(_DRAG, seconds)
+            if slices < 5:
+                raise RuntimeError(f"the sector did not follow: its chip showed {slices} slices")
     return found

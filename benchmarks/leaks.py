@@ -1,4 +1,4 @@
-"""What the page keeps of a widget whose cell ran again, while the kernel keeps the widget, and once it is closed."""
+"""The memory that the page keeps of a widget after its cell ran again, with the widget open and closed."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ NAMES = {
     "player": "`show` of a recording: a player, a scanogram and three widgets",
 }
 WARM_UP = 4
-# anywidget keeps a model for the two seconds that it may take to load.
+# anywidget keeps a model during the two seconds that it may take to load.
 SETTLE_MS = 2500
 
 
 @dataclass(frozen=True)
 class Leak:
-    """What each run of a cell adds."""
+    """The increase by each run of a cell."""
 
     nodes: float
     listeners: float
     kilobytes: float
     closed_kilobytes: float
-    """What is left of it once every widget is closed."""
+    """The rest of it once every widget is closed."""
 
 
 def compare(stage: Stage, runs: int) -> dict[str, Leak]:
-    """What each run of a cell adds to the page, by widget."""
+    """Return the increase of the page by each run of a cell, by widget."""
     return {name: _measured(stage, name, runs) for name in NAMES}
 
 

@@ -1,4 +1,4 @@
-"""What runs in the notebook's kernel: a cell that makes a widget and shows it, again and again."""
+"""The code in the notebook's kernel: a cell that repeatedly makes and shows a widget."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
 
 
 class Source:
-    """Makes one kind of widget. The kernel keeps them, as ipywidgets does until they are closed."""
+    """A source of widgets of one kind. ipywidgets keeps them until they are closed."""
 
     def __init__(self, name: str, _count: int) -> None:
         self._make = MAKERS[name]

@@ -1,4 +1,4 @@
-"""What is measured of one library, and of robowidgets alone."""
+"""The measurements of one library, and of robowidgets alone."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from .stage import ROOT, Run, Show, Stage
 
 RIVALS = Path(__file__).with_name("rivals")
 PATIENCE = 5.0
-"""Seconds after a flood until its last scan counts as never shown."""
+"""Seconds after a flood from which its last scan counts as never shown."""
 
 FLOODS = 3
 
 LOADED = "import ipykernel.kernelapp, ipywidgets, numpy"
-"""What every kernel with widgets and scans has loaded already, before the import is timed."""
+"""The modules that every kernel with widgets and scans has loaded before the timed import."""
 
 
 @dataclass
 class Figures:
-    """One library in one fresh kernel and page. Milliseconds, but for counts and bytes; infinite: never."""
+    """One library in a fresh kernel and page: milliseconds (infinite for never), counts and bytes."""
 
     first_paint: float
     page_first: float
@@ -43,11 +43,11 @@ class Figures:
     flooded_latency: float
     flooded_late: float
     flooded_shown: float
-    """Of several floods, the part whose last scan was shown in the end."""
+    """The share of the floods after which the last scan was shown."""
 
 
 def facts(rival: str) -> dict[str, str]:
-    """The constants of a rival's module, without importing it."""
+    """Return the constants of a rival's module, without importing it."""
     module = ast.parse((RIVALS / f"{rival}.py").read_text())
     return {
         node.targets[0].id: node.value.value
@@ -60,7 +60,7 @@ def facts(rival: str) -> dict[str, str]:
 
 
 def compare(stage: Stage, rival: str, seconds: float) -> Figures:
-    """All figures of one library but its import, in a fresh notebook."""
+    """Measure all figures of one library except its import, in a fresh notebook."""
     with stage.show(rival, facts(rival).get("SVG")) as show:
         loaded = show.page_cpu()
         first_paint = show.first_paint()
@@ -70,11 +70,11 @@ def compare(stage: Stage, rival: str, seconds: float) -> Figures:
         before = show.page_cpu()
         fast = show.run(f"pace(40, {seconds})", PATIENCE)
         after = show.page_cpu()
-        # Each meets the frames of the display in another phase, which a steady pace then keeps.
+        # Each flood meets the frames of the display in another phase, and a steady pace keeps this phase.
         floods = [show.run(f"flood({2 * seconds / 3})", PATIENCE) for _ in range(FLOODS)]
     for run in (slow, fast, *floods):
         if run.unread:
-            print(f"  {run.unread} frames of {rival} said no number")
+            print(f"  {run.unread} frames of {rival} had no readable number")
     return Figures(
         first_paint=first_paint,
         page_first=painted - loaded,
@@ -94,23 +94,23 @@ def compare(stage: Stage, rival: str, seconds: float) -> Figures:
 
 
 def quantile(run: Run, percent: float) -> float:
-    """A percentile of the latencies."""
+    """Return a percentile of the latencies."""
     return float(np.percentile(run.latencies, percent)) if len(run.painted) else float("inf")
 
 
 def painted_within(run: Run) -> int:
-    """How many scans were painted before the run ended, per view."""
+    """Return the number of scans painted before the run ended, per view."""
     views = len(np.unique(run.painted[:, 1])) or 1
     return int((run.painted[:, 0] <= run.stamps[-1]).sum()) // views
 
 
 def late(run: Run) -> float:
-    """Milliseconds from the last `update` until its scan was on show everywhere; infinite if it never was."""
+    """Return milliseconds from the last `update` until all views showed its scan; infinite if one never did."""
     return float(run.painted[-1, 0] - run.stamps[-1]) if run.newest_shown else float("inf")
 
 
 def middle(repeats: list[Figures]) -> Figures:
-    """The median of each figure."""
+    """Return the median of each figure."""
     of = {field.name: [getattr(r, field.name) for r in repeats] for field in fields(Figures)}
     figures = Figures(**{name: median(values) for name, values in of.items()})
     figures.flooded_shown = mean(of["flooded_shown"])
@@ -118,7 +118,7 @@ def middle(repeats: list[Figures]) -> Figures:
 
 
 def import_time(rival: str, repeats: int) -> float:
-    """Milliseconds of the imports of a rival's cell, in fresh processes that have what every kernel has."""
+    """Return milliseconds of the imports of a rival's cell, in fresh processes with the modules of every kernel."""
     code = f"{LOADED}, time\ns = time.perf_counter()\nimport benchmarks.rivals.{rival}\nprint(time.perf_counter() - s)"
     command = [sys.executable, "-c", code]
     times = [subprocess.run(command, cwd=ROOT, capture_output=True, check=True).stdout for _ in range(repeats)]
@@ -130,17 +130,17 @@ class Four:
     """Four widgets at once."""
 
     messages: int
-    """The most that came to the page within a second."""
+    """The highest number of messages to the page within a second."""
     painted: float
     latency: float
     latency_p95: float
     newest_shown: bool
     dropped: bool
-    """Whether the server said that it drops messages."""
+    """True if the server reported dropped messages."""
 
 
 def four(stage: Stage, seconds: float) -> tuple[Four, Four]:
-    """Four laser widgets in one notebook: at 40 Hz each, and flooded."""
+    """Measure four laser widgets in one notebook, at 40 Hz each, and flooded."""
     with stage.show("laser", count=4) as show:
         show.first_paint()
         show.learn()
@@ -160,13 +160,13 @@ def four(stage: Stage, seconds: float) -> tuple[Four, Four]:
 
 
 def most_per_second(times: np.ndarray) -> int:
-    """The largest number of events within any second; times in milliseconds, ascending."""
+    """Return the largest number of events within any second, from ascending times in milliseconds."""
     return int((np.searchsorted(times, times + 1000) - np.arange(len(times))).max())
 
 
 @dataclass
 class Endurance:
-    """A stretch of a long flood. Milliseconds and megabytes."""
+    """A part of a long flood, in milliseconds and megabytes."""
 
     painted: float
     latency: float
@@ -177,7 +177,7 @@ class Endurance:
 
 
 def flood_long(stage: Stage, seconds: float, stretch: float) -> tuple[Endurance, Endurance, float]:
-    """A flood's first and last stretch, and how late its last scan was shown."""
+    """Measure the first and the last part of a flood, and the delay of its last scan."""
     with stage.show("laser") as show:
         show.first_paint()
         show.learn()
@@ -196,13 +196,13 @@ def flood_long(stage: Stage, seconds: float, stretch: float) -> tuple[Endurance,
 
 
 def ends(run: Run, seconds: float, stretch: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The latencies of what was painted in the first and in the last stretch of a run."""
+    """Return the latencies of the paints in the first and in the last part of a run."""
     times = run.painted[:, 0] - run.stamps[0]
     return run.latencies[times < 1000 * stretch], run.latencies[times >= 1000 * (seconds - stretch)]
 
 
 def memory(show: Show, kernel: psutil.Process) -> tuple[float, float, float]:
-    """Megabytes of the page's JavaScript after a collection, and of the kernel's and the server's process."""
+    """Return megabytes of the page's JavaScript after garbage collection, and of the processes of kernel and server."""
     session = show.notebook.page.context.new_cdp_session(show.notebook.page)
     session.send("HeapProfiler.collectGarbage")
     heap = session.send("Runtime.getHeapUsage")["usedSize"]

@@ -1,4 +1,4 @@
-"""The most memory that is taken for a recording and for one ten times its size, each in a process of its own."""
+"""The peak memory for a recording and for a recording ten times larger, each in a separate process."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from .stage import ROOT
 
 LIMIT = 64_000_000
-"""Bytes of `Recording.memory`: less than either recording takes."""
+"""`Recording.memory` in bytes, less than the size of either recording."""
 
 WORK = {
     "two walks through all scans": "for chunk in (c for _ in range(2) for c in recording.scans().chunks()): pass",
@@ -41,12 +41,12 @@ print(peak() - before)
 
 
 def compare(made: Path, large: Path) -> dict[str, tuple[float, float]]:
-    """Megabytes of each kind of work, on either file."""
+    """Return the peak megabytes of each kind of work, on both files."""
     return {name: (peak(made, work), peak(large, work)) for name, work in WORK.items()}
 
 
 def peak(path: Path, work: str) -> float:
-    """Megabytes."""
+    """Return the peak megabytes of a kind of work."""
     script = SCRIPT.format(limit=LIMIT, work=work)
     run = subprocess.run([sys.executable, "-c", script, path], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
     return float(run.stdout)

@@ -1,12 +1,12 @@
-"""A robot and a bare subscriber, each in a process of its own, that speak one middleware and know nothing of feeds.
+"""A robot and a bare subscriber, each in a separate process, that use one middleware without robowidgets' feeds.
 
-`python -m benchmarks.middleware publish NAME WHERE` prints where it can be reached, and does what lines on its input
-say: `put NUMBER`, or `pace FIRST HZ SECONDS FILE`, after which FILE holds when each scan was published; `beside` gives
-it all topics of `topics_robot`, `once` has it publish a message on each of them, `go` all of them from then on, and
-`rate` prints how many messages per second these were. A publisher's WHERE is empty.
-`python -m benchmarks.middleware hear NAME WHERE` notes when each scan came to its callback; `take FILE` writes that
-down. `python -m benchmarks.middleware obey NAME FILE` publishes a scan ten times a second and writes each command on
-/cmd_vel into FILE, with the time of its arrival: a robot that has no watchdog of its own.
+`python -m benchmarks.middleware publish NAME WHERE` prints its address, and obeys the lines of its input: `put NUMBER`
+publishes a scan, and `pace FIRST HZ SECONDS FILE` publishes scans and writes their times to FILE. `beside` adds all
+topics of `topics_robot`, `once` publishes a message on each of them, `go` publishes them from then on, and `rate`
+prints their messages per second. A publisher's WHERE is empty.
+`python -m benchmarks.middleware hear NAME WHERE` records the arrival of each scan in its callback; `take FILE` writes
+the times to FILE. `python -m benchmarks.middleware obey NAME FILE` publishes a scan ten times a second, and writes each
+command on /cmd_vel with its arrival time to FILE, like a robot without a watchdog.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from .scan import ANGLE_INCREMENT, ANGLE_MIN, RANGE_MAX, RANGE_MIN, encode
 from .topics_robot import Robot
 
 DOMAIN = int(os.environ.setdefault("BENCHMARK_DOMAIN", str(1 + os.getpid() % 59)))
-"""That of this run and of all its processes: others on this machine, and the tests, do not hear it."""
+"""The DDS domain of this run and its processes, separate from other runs and the tests on this machine."""
 SYSTEM = "/usr/lib/python3/dist-packages"
-"""Where Debian's packages have rospy."""
+"""The folder of rospy in Debian's packages."""
 FIELDS = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
 GEOMETRY = (ANGLE_MIN, -ANGLE_MIN, ANGLE_INCREMENT, 0.0, 0.025, RANGE_MIN, RANGE_MAX)
 
@@ -70,7 +70,7 @@ class Dds:
 
         from robowidgets.feeds._dds_types import struct
 
-        raw = struct(kind)  # its messages are bytes
+        raw = struct(kind)  # with bytes as messages
         qos = Qos(Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.History.KeepLast(10))
         writer = DataWriter(self._participant, Topic(self._participant, f"rt{topic}", raw), qos)
         return lambda message: writer.write(raw(message))
@@ -166,7 +166,7 @@ class Foxglove:
                 if isinstance(said, bytes):
                     call(struct.unpack_from("<i", said, 1 + 4 + 8 + 4)[0])
                 elif (told := json.loads(said))["op"] == "advertise":
-                    # Its server loses a subscription that comes at once.
+                    # The server loses a subscription that comes at once.
                     await asyncio.sleep(0.1)
                     asked = [{"id": 1, "channelId": channel["id"]} for channel in told["channels"]]
                     await client.write_message(json.dumps({"op": "subscribe", "subscriptions": asked}))
@@ -175,7 +175,7 @@ class Foxglove:
 
 
 class Ros1:
-    """rospy; its master is where ROS_MASTER_URI says."""
+    """rospy, with the master at ROS_MASTER_URI."""
 
     def __init__(self, where: str) -> None:
         sys.path.append(SYSTEM)
@@ -212,7 +212,7 @@ class Ros1:
 
 
 class Rosbridge:
-    """The tests' server, and tornado's client, in CBOR."""
+    """The server of the tests, and tornado's client, in CBOR."""
 
     def __init__(self, where: str) -> None:
         self.where = where
@@ -259,7 +259,7 @@ class Rosbridge:
 
 
 class Ros2:
-    """rclpy, where it is."""
+    """rclpy, if it is installed."""
 
     def __init__(self, where: str) -> None:
         import rclpy
@@ -312,7 +312,7 @@ def publish(name: str, where: str) -> None:
     for line in sys.stdin:
         do, *given = line.split()
         if do == "beside":
-            sys.setswitchinterval(0.0005)  # both threads are one robot, of which each is to be on time
+            sys.setswitchinterval(0.0005)  # both threads of the robot must be on time
             beside = Robot(robot.sender)
             continue
         if do in ("once", "go"):
@@ -330,7 +330,7 @@ def publish(name: str, where: str) -> None:
         for number in range(first, first + round(hz * seconds)):
             stamps.append(now_us())
             send(number)
-            due += wander.uniform(0.9, 1.1) / hz  # so that they meet every phase of the display
+            due += wander.uniform(0.9, 1.1) / hz  # to meet every phase of the display
             time.sleep(max(0.0, due - time.perf_counter()))
         np.save(given[3], np.array(stamps))
         print("done", flush=True)

@@ -1,4 +1,4 @@
-"""A recording as a page in a file: from opening it to its pictures, and how often it paints while it plays."""
+"""A recording as a page in a file: the time from opening it to its pictures, and the frame rate while it plays."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .stage import Stage
 
 SECONDS = 60
 LASER = ".rw-laser"
-# When pictures are there, in milliseconds from opening the page.
+# The times of the pictures, in milliseconds from opening the page.
 FIRST = """
 window.first = {};
 const seen = {
@@ -47,7 +47,7 @@ class Opened:
 
 
 def compare(stage: Stage, repeats: int, seconds: float) -> tuple[Opened, Playing]:
-    """The page of a minute of 1040 rays at 40 Hz, opened anew each time."""
+    """Measure the page of a minute of 1040 rays at 40 Hz, opened again each time."""
     scans = int(SECONDS * HZ)
     drive, page = stage.lab.files / "minute.mcap", stage.lab.files / "minute.html"
     write(drive, [*range(scans - BITS), *(1 << bit for bit in range(BITS))])

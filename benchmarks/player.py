@@ -1,4 +1,4 @@
-"""A recording in the player: from a click to the picture, and how often it paints while it plays."""
+"""A recording in the player: the time from a click to the picture, and the frame rate while it plays."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ AWAY = "click on either, to what the page does not have, as soon as the pointer 
 
 
 class Target(NamedTuple):
-    """What is clicked on: an element, the event that counts, and pixels before and after its axis of time.
+    """The target of clicks: an element, the event that counts, and pixels before and after its time axis.
 
-    Where a pointer that rests shows its moment, a click after that has nothing new to show.
+    If a resting pointer already shows its moment, a click has nothing new to show.
     """
 
     name: str
@@ -59,7 +59,7 @@ while True:
 
 @dataclass
 class Waiting:
-    """Milliseconds: median and 95th percentile."""
+    """The median and the 95th percentile in milliseconds."""
 
     middle: float
     late: float
@@ -71,7 +71,7 @@ class Waiting:
 
 @dataclass
 class Playing:
-    """A stretch of playing at 10 times speed, each a second."""
+    """The figures of playing at 10 times speed, per second."""
 
     frames: float
     painted: float
@@ -81,14 +81,14 @@ class Playing:
 
 @dataclass
 class Player:
-    """What was measured of one recording."""
+    """The measurements of one recording."""
 
     waits: dict[str, Waiting]
     plays: dict[str, Playing]
 
 
 def compare(stage: Stage, scans: int, repeats: int, clicks: int, seconds: float) -> Player:
-    """All figures of a written recording, each repeat in a fresh notebook."""
+    """Measure all figures of a written recording, each repeat in a fresh notebook."""
     path = stage.lab.files / "drive.mcap"
     write(path, [*range(scans - BITS), *(1 << bit for bit in range(BITS))])
     times: dict[str, list[float]] = {}
@@ -111,7 +111,7 @@ def compare(stage: Stage, scans: int, repeats: int, clicks: int, seconds: float)
 
 
 class Shown:
-    """A player in a fresh notebook, the numbers of whose laser the page reads back."""
+    """A player in a fresh notebook. The page reads back the numbers of its laser."""
 
     def __init__(self, notebook: Any, scans: int) -> None:
         self._notebook = notebook
@@ -121,7 +121,7 @@ class Shown:
     @classmethod
     @contextmanager
     def open(cls, stage: Stage, name: str, scans: int) -> Iterator[Shown]:
-        """Display it, and learn how its numbers look."""
+        """Display the player, and learn the picture of its numbers."""
         with stage.show(name, count=scans, module="player_kernel") as show:
             shown = cls(show.notebook, scans)
             page = show.notebook.page
@@ -139,16 +139,16 @@ class Shown:
             yield shown
 
     def python(self, code: str) -> str:
-        """Run code in the kernel; what it prints."""
+        """Run code in the kernel, and return its prints."""
         return str(self._notebook.python(code))
 
     def count(self, seconds: float) -> Playing:
-        """What the page paints for a while."""
+        """Return the paints of the page in some seconds."""
         found = self._page.evaluate("(seconds) => playing.count(seconds)", seconds)
         return Playing(found["frames"], found["painted"], found["passed"] / HZ)
 
     def play(self, seconds: float, *, busy: bool = False) -> Playing:
-        """Play for a while from where nothing was sent yet; if asked, while the kernel runs a busy loop."""
+        """Play some seconds that the page does not have yet; with ``busy``, while the kernel runs a busy loop."""
         lacking = self._lacking()
         self.python(f"source.player.time = {lacking[0] if lacking else 0}")
         if busy:
@@ -163,7 +163,7 @@ class Shown:
         return played
 
     def seek(self, clicks: int, seed: int) -> dict[str, list[float]]:
-        """Milliseconds from clicks to what they show, and of bare round trips, in turn."""
+        """Return milliseconds from clicks to their pictures, and of bare round trips, in turn."""
         chance = random.Random(seed)
         self.python(SETTLED)
         times: dict[str, list[float]] = {}
@@ -172,7 +172,7 @@ class Shown:
                 for what in (target.name, AWAY) if target.shows_pointed else (target.name, POINTED, AWAY):
                     for trip, took in zip((ROUND_TRIP, FRAMED), self._page.evaluate("roundTrip()"), strict=True):
                         times.setdefault(trip, []).append(took)
-                    # Within the second that is clicked on, and a pixel beside it, the page has all or nothing.
+                    # The page has all or nothing of the clicked second and of the next pixel.
                     lacking = self._lacking()
                     there = [second for second in range(self._seconds) if second not in lacking]
                     second = self._far(chance, there if what == target.name else lacking)
@@ -181,20 +181,20 @@ class Shown:
         return times
 
     def _lacking(self) -> list[int]:
-        """The seconds of which the page has nothing."""
+        """Return the seconds that the page does not have."""
         found: list[int] = json.loads(self.python("print(source.lacking())"))
         return found
 
     def _far(self, chance: random.Random, seconds: list[int]) -> int:
-        """One of these seconds, far from the time on show: such are sent last. Those beside it are like it."""
+        """Return one of these seconds far from the time on show, because it is sent late, with missing neighbours."""
         now = self._now()
         alike = [second for second in seconds if {second - 1, second + 1} <= set(seconds)]
         alike.sort(key=lambda second: abs(second - now))
         return chance.choice(alike[len(alike) // 2 :])
 
     def _click(self, target: Target, second: int, *, rests: bool) -> float:
-        """Click on a second, with or without a rest of the pointer there; milliseconds from the event until its moment
-        is painted."""
+        """Click on a second, with or without a rest of the pointer before. Return milliseconds from the event to the
+        paint."""
         element = self._page.locator(target.selector)
         element.scroll_into_view_if_needed()
         box = element.bounding_box()
@@ -213,7 +213,7 @@ class Shown:
         return float(took)
 
     def _now(self) -> float:
-        """The time on show, in seconds."""
+        """Return the time on show in seconds."""
         return float(self._page.locator(".rw-play-now").text_content())
 
     def _button(self, title: str) -> None:

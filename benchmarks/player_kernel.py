@@ -1,4 +1,4 @@
-"""What runs in the notebook's kernel while a recording is played: the player, and a widget that only answers."""
+"""The code in the notebook's kernel while a recording is played: the player, and a widget that only answers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ export default {
 
 
 class Echo(anywidget.AnyWidget):
-    """Answers every message of the page with one."""
+    """A widget that answers each message of the page with one message."""
 
     _esm = _ESM
 
@@ -39,8 +39,8 @@ class Source:
     """A recording on show.
 
     Args:
-        name: of the MCAP file beside the notebook.
-        count: its scans; each second of time has `HZ` of them.
+        name: the name of the MCAP file in the folder of the notebook.
+        count: the number of its scans, `HZ` per second.
     """
 
     def __init__(self, name: str, count: int) -> None:
@@ -56,17 +56,17 @@ class Source:
         display(self._echo, self.player)  # type: ignore[no-untyped-call]
 
     def to_scan(self, number: int) -> None:
-        """Show the scan of a number, counted from the end where it is negative."""
+        """Show the scan of a number; a negative number counts from the end."""
         self.player.time = (number % self._count) / HZ
 
     def lacking(self) -> list[int]:
-        """The seconds of the recording of which the page has nothing."""
+        """Return the seconds of the recording that the page does not have."""
         sender = self.player._prefetcher
         assert sender is not None
         return [second for second in range(int(self._count / HZ)) if second not in sender._sent]
 
 
 def peak() -> float:
-    """Most megabytes that this process has ever had in memory."""
+    """Return the peak memory of this process in megabytes."""
     with open("/proc/self/status") as lines:
         return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM:")) * 1024 / 1e6

@@ -1,4 +1,4 @@
-"""An hour at 1 kHz as a plot: until it is seen, what zooming and pointing cost the page, and values that come."""
+"""An hour at 1 kHz as a plot: the time to the picture, the cost of zooming and pointing, and of new values."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ DRAWN = {
     "plotly": ".gl-canvas-context, .gl-canvas",
 }
 STEPS = 12
-"""Of the wheel, and of the pointer, each waited for until the next frame is over."""
+"""The number of steps of the wheel and of the pointer. Each is followed by the end of the next frame."""
 
-# Milliseconds from a cell's start until the canvas has ink; one of WebGL cannot be read, and counts when it is there.
+# Milliseconds from a cell's start until the canvas has ink. A WebGL canvas cannot be read: it counts when it exists.
 SEEN = """([path, cell, drawn]) => new Promise((done) => {
     const from = performance.now();
     driver.start(path, cell);
@@ -61,31 +61,31 @@ STEP = """([selector, kind, count]) => (async () => {
 
 @dataclass(frozen=True)
 class Plotted:
-    """What one library takes. Milliseconds, megabytes, and shares of a core."""
+    """The figures of one library in milliseconds, megabytes, and shares of a core."""
 
     seen: float
     """From the start of the cell that displays it."""
     megabytes: float
-    """Of values that the page is given."""
+    """The size of the values that the page receives."""
     zoom: float
-    """A step of the wheel, to the end of the frame after it: the median."""
+    """The median of a step of the wheel, to the end of the next frame."""
     zoom_late: float
     """The longest."""
     point: float
-    """A move of the pointer, alike."""
+    """The same for a move of the pointer."""
     kernel: float
-    """Of a core, in the kernel, while values come at 1 kHz; NaN where it takes none."""
+    """Of a core, in the kernel, while values come at 1 kHz; NaN if the library takes no new values."""
     page: float
-    """Of a core, in the page's main thread, alike."""
+    """The same for the page's main thread."""
 
 
 def available() -> list[str]:
-    """The libraries that are here."""
+    """Return the installed libraries."""
     return [name for name in NAMES if name != "plotly" or importlib.util.find_spec("plotly")]
 
 
 def compare(stage: Stage, repeats: int, seconds: float) -> dict[str, Plotted]:
-    """All figures of each library, the medians of some fresh notebooks."""
+    """Return all figures of each library, as medians of some fresh notebooks."""
     found: dict[str, list[Plotted]] = {}
     for _ in range(repeats):
         for name in available():

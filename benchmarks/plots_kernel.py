@@ -13,7 +13,7 @@ import numpy as np
 
 HZ, HOUR = 1000, 3600
 PEAK = 1_234_567
-"""The value that stands out, and must be seen."""
+"""The index of the outlier, which must be visible."""
 
 BARE = """
 export default {
@@ -42,7 +42,7 @@ export default {
 
 
 def hour() -> tuple[Any, Any]:
-    """Times and values."""
+    """Return times and values."""
     times = np.arange(HZ * HOUR) / HZ
     values = np.sin(times / 100) + np.random.default_rng(1).normal(0, 0.05, len(times))
     values[PEAK] = 9.0
@@ -92,7 +92,7 @@ MAKE: dict[str, Callable[[], tuple[Any, Callable[[float, float], None] | None]]]
 
 
 def _size(value: Any) -> int:
-    """Bytes of arrays in a state."""
+    """Return the bytes of arrays in a state."""
     if isinstance(value, dict):
         return sum(map(_size, value.values()))
     if isinstance(value, (list, tuple)):
@@ -101,7 +101,7 @@ def _size(value: Any) -> int:
 
 
 class Source:
-    """A plot, and values that come to it."""
+    """A plot that receives values."""
 
     def __init__(self, name: str, _count: int) -> None:
         began = time.process_time()
@@ -111,11 +111,11 @@ class Source:
         self.megabytes = _size(state) / 1e6
 
     def show(self) -> Any:
-        """What a cell displays."""
+        """Return the object that the cell displays."""
         return self._widget
 
     def grow(self, seconds: float) -> str:
-        """Add values at 1 kHz for some seconds; the CPU of the process in that time, as a share."""
+        """Add values at 1 kHz for some seconds. Return the CPU of the process in that time, as a share."""
         if self._add is None:
             return json.dumps(None)
         add, stop = self._add, threading.Event()

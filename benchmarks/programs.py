@@ -1,4 +1,4 @@
-"""How soon a new version of a program steps, and what a step costs, in a real kernel with the simulated robot."""
+"""The time until a new version of a program steps, and the cost of a step, in a real kernel with the simulator."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from .stopping import Kernel
 
 VERSIONS = 100
 RATE = 20.0
-"""Steps a second of the program whose cell runs again."""
+"""The steps per second of the program that is replaced repeatedly."""
 FASTEST = 200
-"""Steps a second of those whose steps are measured."""
+"""The steps per second of the programs with measured steps."""
 STEPS = 1000
 
 SETUP = """
@@ -75,7 +75,7 @@ robot.programs.current.close()
 
 @dataclass
 class Found:
-    """Milliseconds: from cells to first steps, and of CPU in the program's thread per step."""
+    """Milliseconds from cells to first steps, and of CPU in the program's thread per step."""
 
     first_step: list[float]
     plain: float
@@ -83,7 +83,7 @@ class Found:
     watched: float
     """With a `MachineWidget`."""
     event: float
-    """Of the one distance that the machine asks for, which is the user's own code."""
+    """The cost of the distance that the machine asks for, which is code of the user."""
 
     @property
     def first_step_p95(self) -> float:
@@ -95,7 +95,7 @@ class Found:
 
 
 def measured(versions: int = VERSIONS, steps: int = STEPS) -> Found:
-    """All of it, in one kernel."""
+    """Measure all figures in one kernel."""
     kernel = Kernel()
     measure = MEASURE.format(rate=FASTEST, steps=steps)
     try:

@@ -1,4 +1,4 @@
-"""Opening and decoding recordings, beside rosbags alone on the same file."""
+"""Opening and decoding recordings, compared with rosbags alone on the same file."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SUFFIXES = (".bag", ".mcap")
 
 @dataclass
 class Reading:
-    """One file: milliseconds to open it and list its topics, and samples per second; of rosbags, and of us."""
+    """One file: milliseconds to open it and list its topics, and samples per second, for rosbags and robowidgets."""
 
     open_theirs: float
     open_ours: float
@@ -38,7 +38,7 @@ class Reading:
 
 
 def compare(scans: int, repeats: int) -> dict[str, Reading]:
-    """Each file by its name: the generated one, and the real ones that are there."""
+    """Measure each file by its name: the generated file, and the available real files."""
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "scans.mcap"
         write(made, range(scans))
@@ -47,7 +47,7 @@ def compare(scans: int, repeats: int) -> dict[str, Reading]:
 
 
 def real() -> Iterator[Path]:
-    """The recordings of others that rosbags reads: bags, MCAP files, and folders of rosbag2."""
+    """Yield the real recordings that rosbags reads: bags, MCAP files, and rosbag2 folders."""
     folder = Path(os.environ.get("ROBOWIDGETS_DATA") or ROOT.parent / "shared" / "data") / "good"
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
         if path.suffix in SUFFIXES or path.is_dir():
@@ -56,7 +56,7 @@ def real() -> Iterator[Path]:
 
 @contextmanager
 def written(scans: int) -> Iterator[dict[str, Path]]:
-    """MCAP files of so many scans, of the same with changing times, and of ten times as many; gone after the block."""
+    """Yield MCAP files of some scans, of scans with changing times, and of ten times as many, for the block."""
     with tempfile.TemporaryDirectory() as folder:
         made = {name: Path(folder) / f"{name}.mcap" for name in ("scans", "changing", "large")}
         write(made["scans"], range(scans))
@@ -66,7 +66,7 @@ def written(scans: int) -> Iterator[dict[str, Path]]:
 
 
 def with_scans(made: dict[str, Path]) -> Iterator[tuple[str, Path, str]]:
-    """Name, file and topic of all that are scans: of written files, by their names, and of the real ones there are."""
+    """Yield name, file and topic of all topics of scans, in written files and in the available real files."""
     for name, path in {**made, **{path.name: path for path in real()}}.items():
         with robowidgets.open(path) as recording:
             topics = [topic for topic in recording.topics if topic.widget == "laser"]
@@ -75,7 +75,7 @@ def with_scans(made: dict[str, Path]) -> Iterator[tuple[str, Path, str]]:
 
 
 def write(path: Path, numbers: Iterable[int], *, changing: bool = False) -> None:
-    """An MCAP file of scans at 40 Hz that say these numbers, one after the other; see `write_scans`."""
+    """Write an MCAP file of scans at 40 Hz with these numbers; see `write_scans`."""
     times = count(1_700_000_000_000_000_000, 25_000_000)
     write_scans(
         path.with_suffix(""), ((number, when, when) for number, when in zip(numbers, times, strict=False)), changing
@@ -84,9 +84,9 @@ def write(path: Path, numbers: Iterable[int], *, changing: bool = False) -> None
 
 
 def write_scans(folder: Path, scans: Iterable[tuple[int, int, int]], changing: bool = False) -> None:
-    """A rosbag2 folder, in MCAP, of scans: the number that each says, when it is logged, and its stamp, both in ns.
+    """Write a rosbag2 folder with an MCAP file of scans: the number, the log time and the stamp of each, in ns.
 
-    Where they change, scan_time and time_increment are others in each scan, as most drivers of RPLIDAR send them.
+    With ``changing``, scan_time and time_increment differ in each scan, as with most drivers of RPLIDAR.
     """
     kind = TYPES.types["sensor_msgs/msg/LaserScan"]
     header, stamp = TYPES.types["std_msgs/msg/Header"], TYPES.types["builtin_interfaces/msg/Time"]
@@ -109,7 +109,7 @@ def write_scans(folder: Path, scans: Iterable[tuple[int, int, int]], changing: b
 
 
 def read(path: Path, repeats: int) -> Reading:
-    """Both, in turn, on the topics that both understand; the median of each."""
+    """Measure both in turn on the topics that both understand. Return the medians."""
     with closing(open_theirs(path)) as reader, robowidgets.open(path) as recording:
         shown = {topic.name for topic in recording.topics if topic.widget}
         known = {c.topic for c in reader.connections if c.msgtype in reader.typestore.fielddefs}
@@ -144,14 +144,14 @@ def read(path: Path, repeats: int) -> Reading:
 
 
 def open_theirs(path: Path) -> AnyReader:
-    """A reader of rosbags, opened; its definitions are in it."""
+    """Return an open reader of rosbags with its definitions."""
     reader = AnyReader([path], default_typestore=TYPES)
     reader.open()
     return reader
 
 
 def timed(work: Callable[[], Any]) -> tuple[float, Any]:
-    """Seconds, and the result."""
+    """Return the seconds of a call, and its result."""
     start = time.perf_counter()
     result = work()
     return time.perf_counter() - start, result

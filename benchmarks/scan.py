@@ -11,9 +11,9 @@ BITS = 24
 RAYS_PER_BIT = 43
 RAY_COUNT = 1040
 NEAR, FAR = 3.0, 5.0
-"""Metres at which the rays of a bit see something: 0 near, 1 far."""
+"""The ranges of the rays of a bit in metres: near for 0, far for 1."""
 NOISE = 0.02
-"""Metres by which each range is off at most, as it is with real scanners. Less than half a dot."""
+"""The largest error of a range in metres, as with real scanners: less than half a dot."""
 
 ANGLE_MIN = -3 * pi / 4
 ANGLE_INCREMENT = 1.5 * pi / (RAY_COUNT - 1)
@@ -22,7 +22,7 @@ RANGE_MIN, RANGE_MAX = 0.1, 6.0
 _ANGLES = ANGLE_MIN + ANGLE_INCREMENT * np.arange(RAY_COUNT)
 COS, SIN = np.cos(_ANGLES).astype(np.float32), np.sin(_ANGLES).astype(np.float32)
 
-# The rays of eight bits at a time, so that making a scan costs next to nothing beside showing it.
+# The rays of eight bits at a time, so that making a scan costs almost nothing compared with showing it.
 _BYTES = [
     np.repeat(np.where([byte >> bit & 1 for bit in range(8)], FAR, NEAR), RAYS_PER_BIT).astype(np.float32)
     for byte in range(256)
@@ -32,11 +32,11 @@ _NOISE: NDArray[np.float32] = np.random.default_rng(1).uniform(-NOISE, NOISE, (2
 
 
 def encode(number: int) -> NDArray[np.float32]:
-    """Ranges in metres, shape (1040,), that say a number below 2**24: bit `b` in the rays from `43 * b` on."""
+    """Return ranges in metres, shape (1040,), that encode a number below 2**24: bit `b` in rays from `43 * b` on."""
     said = np.concatenate((_BYTES[number & 255], _BYTES[number >> 8 & 255], _BYTES[number >> 16 & 255], _REST))
     return said + _NOISE[number % len(_NOISE)]
 
 
 def points(ranges: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """x and y in metres, as libraries that know no lasers need them."""
+    """Return x and y in metres, for libraries without support for lasers."""
     return ranges * COS, ranges * SIN

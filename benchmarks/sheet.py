@@ -1,4 +1,4 @@
-"""A contact sheet of 5,000 moments: until it is seen, and what scrolling through all of it costs the page."""
+"""A contact sheet of 5,000 moments: the time to the picture, and the cost of scrolling through all of it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .stage import Stage
 
 COUNT = 5000
 SCREEN = 21
-"""Pictures of the first screen, at the width of the page."""
+"""The number of pictures on the first screen, at the width of the page."""
 
 SEEN = """([path, cell, count]) => new Promise((done) => {
     const from = performance.now();
@@ -24,7 +24,7 @@ SEEN = """([path, cell, count]) => new Promise((done) => {
     };
     look();
 })"""
-"""Milliseconds from the start of the cell until moments are there, and until the pictures of the first screen are."""
+"""Milliseconds from the start of the cell to the moments, and to the pictures of the first screen."""
 
 SCROLL = """async ([steps, jumps]) => {
     const tasks = [];
@@ -50,20 +50,20 @@ STEPS, JUMPS = 300, 20
 
 @dataclass(frozen=True)
 class Sheet:
-    """Milliseconds; of the long tasks (above 50 ms) their number and the longest, 0 without any."""
+    """Milliseconds, and the number and the longest of the long tasks (above 50 ms), or 0 without any."""
 
     there: float
     seen: float
     cpu: float
-    """Of the page's main thread, for one step of scrolling."""
+    """The time of the page's main thread for one step of scrolling."""
     long_tasks: float
     longest: float
     items: float
-    """On the page at the end."""
+    """The number of moments on the page at the end."""
 
 
 def measured(stage: Stage, repeats: int) -> Sheet:
-    """The median of some fresh notebooks."""
+    """Return the medians of some fresh notebooks."""
     found = [_once(stage) for _ in range(repeats)]
     return Sheet(*(median(values) for values in zip(*(vars(one).values() for one in found), strict=True)))
 

@@ -1,4 +1,4 @@
-"""In the kernel: a contact sheet of as many hits as are asked for, in ten recordings."""
+"""The code in the kernel: a contact sheet of a number of hits in ten recordings."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ FILES = 10
 
 
 class Source:
-    """Searches, so that only the sheet is measured.
+    """A search that is done before, so that only the sheet is measured.
 
     Args:
-        _name: of what is measured.
-        count: of hits.
+        _name: the name of the measurement.
+        count: the number of hits.
     """
 
     def __init__(self, _name: str, count: int) -> None:

@@ -1,4 +1,4 @@
-"""How fast the simulated robot is, in rooms with few and with thousands of walls."""
+"""The speed of the simulated robot, in rooms with few and with thousands of walls."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Room(NamedTuple):
 
 
 def compare(repeats: int) -> dict[str, Room]:
-    """The speed in each room, by name."""
+    """Return the speed in each room, by name."""
     worlds = {name: room(name) for name in ("house", "corridor", "office", "maze")} | {"map": large_map()}
     return {
         name: Room(len(world.walls), median(speed_in(world) for _ in range(repeats))) for name, world in worlds.items()

@@ -33,34 +33,34 @@ VIEW = ".jp-OutputArea-output.lm-Panel > .lm-Widget"
 
 @dataclass
 class Run:
-    """What one run was. Times are milliseconds since the epoch, by the clock of the machine."""
+    """The results of one run. Times are milliseconds since the epoch, by the clock of the machine."""
 
     seconds: float
     cpu: float
-    """Seconds of CPU that the kernel's process took, all its threads together."""
+    """Seconds of CPU of all threads of the kernel's process."""
     first: int
     """The number of the first scan."""
     stamps: NDArray[np.float64]
-    """When each scan was handed over."""
+    """The time of each `update`."""
     painted: NDArray[np.float64]
-    """Rows of when, in which view, which number."""
+    """Rows of time, view and number."""
     messages: NDArray[np.float64]
-    """Rows of when, bytes."""
+    """Rows of time and bytes."""
     unread: int
-    """Frames whose picture said no number."""
+    """The number of frames without a readable number."""
     newest_shown: bool
     complaint: bool
-    """Whether anything was printed: the server's "IOPub message rate exceeded"."""
+    """True if the server printed something, such as "IOPub message rate exceeded"."""
 
     @property
     def latencies(self) -> NDArray[np.float64]:
-        """Milliseconds from `update` to paint, of each scan that was painted."""
+        """Milliseconds from `update` to paint, for each painted scan."""
         sent = self.stamps[self.painted[:, 2].astype(int) - self.first]
         return np.asarray(self.painted[:, 0] - sent)
 
 
 class Show:
-    """Widgets on show in a notebook, whose numbers the page reads back after every frame."""
+    """Widgets in a notebook. The page reads back their numbers after every frame."""
 
     def __init__(self, notebook: Notebook, svg: str | None) -> None:
         self.notebook = notebook
@@ -70,7 +70,7 @@ class Show:
         self._folder = notebook.lab.files
 
     def first_paint(self, view: str = VIEW) -> float:
-        """Display the widgets; milliseconds until dots are to be seen in the elements of a selector."""
+        """Display the widgets. Return milliseconds until dots are visible in the elements of a selector."""
         cell = self.notebook.append("source.show()")
         return float(
             self._page.evaluate(
@@ -80,13 +80,13 @@ class Show:
         )
 
     def page_cpu(self) -> float:
-        """Milliseconds of CPU that the page's main thread has taken, which no other work on the machine adds to."""
+        """Return the milliseconds of CPU of the page's main thread, without other work on the machine."""
         self._metrics.send("Performance.enable", {"timeDomain": "threadTicks"})
         told = self._metrics.send("Performance.getMetrics")["metrics"]
         return 1000 * float(next(metric["value"] for metric in told if metric["name"] == "TaskDuration"))
 
     def learn(self) -> None:
-        """Learn where the dots of every bit lie, and follow them from now on."""
+        """Learn the places of the dots of every bit, and follow them from now on."""
         self._page.evaluate("bench.learn(null)")
         for bit in range(BITS):
             self.notebook.python(f"source.put({1 << bit})")
@@ -94,17 +94,17 @@ class Show:
         self._page.evaluate("bench.follow()")
 
     def run(self, call: str, patience: float = 0.0) -> Run:
-        """Run a method of the source in a cell; what the kernel and the page say of it.
+        """Run a method of the source in a cell. Return the records of the kernel and the page.
 
         Args:
             call: such as "pace(40, 3)".
-            patience: seconds that the newest scan may take to be shown after the run.
+            patience: seconds to wait after the run until the newest scan is shown.
         """
         self.start(call)
         return self.finish(patience)
 
     def start(self, call: str) -> None:
-        """Run a method of the source in a cell, and come back at once."""
+        """Start a method of the source in a cell, and return at once."""
         for file in self._folder.glob("facts-*.json"):
             file.unlink()
         self._page.evaluate("bench.take()")
@@ -112,7 +112,7 @@ class Show:
         self._page.evaluate("([path, cell]) => driver.start(path, cell)", [self.notebook.path, self._cell])
 
     def finish(self, patience: float = 0.0) -> Run:
-        """Wait until the started run has ended, and until its newest scan is shown, or patience is."""
+        """Wait until the started run has ended, and until its newest scan is shown or ``patience`` is over."""
         deadline = time.monotonic() + LONGEST_RUN
         while not (files := list(self._folder.glob("facts-*.json"))):
             if time.monotonic() > deadline:
@@ -139,7 +139,7 @@ class Show:
 
 
 class Stage:
-    """Opens shows. One browser profile for the whole run, so that every page but the first has the browser's cache."""
+    """A browser for all shows. All pages share its profile, so that all but the first page use its cache."""
 
     def __init__(self, lab: LabServer, browser: Any) -> None:
         self.lab = lab
@@ -151,12 +151,12 @@ class Stage:
 
     @contextmanager
     def show(self, rival: str, svg: str | None = None, count: int = 1, module: str = "kernel") -> Iterator[Show]:
-        """A fresh notebook whose kernel has imported the library; its kernel ends with the block."""
+        """Yield a fresh notebook with a kernel that has imported the library. The kernel ends with the block."""
         self._opened += 1
         path = f"{rival}-{self._opened}.ipynb"
         kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
         code = f"from benchmarks.{module} import Source\nsource = Source({rival!r}, {count})"
-        import nbformat  # takes two seconds, of each process that collects tests
+        import nbformat  # takes two seconds in each process that collects tests
 
         cell = nbformat.v4.new_code_cell(code)
         nbformat.write(nbformat.v4.new_notebook(cells=[cell], metadata={"kernelspec": kernel}), self.lab.files / path)
@@ -175,7 +175,7 @@ class Stage:
 
     @contextmanager
     def open_file(self, file: Path, script: str) -> Iterator[Any]:
-        """A page with a file from disk, in which a script runs before all others."""
+        """Yield a page with a file from disk. A script runs in it before all others."""
         page = self._context.new_page()
         page.add_init_script(script)
         try:
@@ -199,7 +199,7 @@ def open_stage() -> Iterator[Stage]:
 
 
 def versions() -> dict[str, str]:
-    """The versions of what takes part."""
+    """Return the versions of the measured software."""
     names = (
         "jupyterlab",
         "ipykernel",

@@ -1,6 +1,6 @@
-"""How long after its cause zero reaches a robot in another process that has no watchdog of its own.
+"""The time from a cause until zero reaches a robot in another process without a watchdog.
 
-The program runs in a real kernel, beside a function that is connected to the robot's scans and never comes back.
+The program runs in a real kernel, with a connected function for the robot's scans that never returns.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from .feed_kernel import start_master
 from .middleware import DOMAIN, SYSTEM
 
 TIMES = 10
-"""How often each cause is tried."""
+"""The number of tries of each cause."""
 WINDOW = 0.3
-"""Seconds after a cause, beyond those that a speed holds, in which zero must come and nothing else be driven."""
+"""Seconds after a cause, in addition to the hold of a speed, in which zero must come and nothing else be driven."""
 HOLD = 0.5
 ENDS = ("end of the kernel", "SIGTERM", "SIGHUP", "a lost server")
 
@@ -42,7 +42,7 @@ import os, sys
 os.environ["ROBOT_LOG"] = {path!r}
 sys.path.insert(0, {folder!r})
 """
-"""rclpy is in no registry: a stand-in waits and wakes as it does, and logs what leaves each process."""
+"""A stand-in for rclpy, which no registry has: it waits and wakes like rclpy, and logs all sent messages."""
 BESIDE = str(Path(__file__).parents[1] / "tests" / "unit" / "feeds" / "beside")
 SETUP = """
 import sys, time
@@ -105,10 +105,10 @@ def go():
     return Drive(0.3)
 time.sleep(0.4)
 """
-"""Its speeds hold for so long that no zero of the hold hides a missing one."""
+"""A program with a long hold of its speeds, so that the zero after a hold does not hide a missing zero."""
 END_PROGRAM = "go.close(); feed.driving = feeds.Driving()"
 SLOW = {"hold": HOLD, "a program loops": HOLD, "a lost server": 1.0}
-"""Seconds that pass before zero is due: a speed holds, a step is waited for, a kernel looks for its server."""
+"""Seconds until zero is due: the hold of a speed, the limit of a step, and the interval of checking the server."""
 SERVER = """
 from jupyter_client.manager import start_new_kernel
 manager, client = start_new_kernel()
@@ -119,7 +119,7 @@ input()
 
 @dataclass
 class Stopped:
-    """Seconds from a cause to zero, each time; infinite where none came."""
+    """Seconds from a cause to zero for each try, or infinite if zero did not come."""
 
     feed: str
     cause: str
@@ -127,7 +127,7 @@ class Stopped:
 
 
 class Kernel:
-    """A kernel in which the cells run."""
+    """A kernel that runs the cells."""
 
     def __init__(self) -> None:
         self.manager = KernelManager()
@@ -151,7 +151,7 @@ class Kernel:
                 return content
 
     def run(self, code: str) -> float:
-        """Run a cell; its cause, by the monotonic clock of the machine."""
+        """Run a cell. Return the time of its cause, by the monotonic clock of the machine."""
         reply = self.end_of(self.start(code))
         if reply["status"] != "ok":
             raise RuntimeError("\n".join(reply["traceback"]))
@@ -165,7 +165,7 @@ class Kernel:
 
 
 class ServedKernel(Kernel):
-    """A kernel that another process has started, which can be killed."""
+    """A kernel of a server process that can be killed."""
 
     def __init__(self) -> None:
         self.server = subprocess.Popen(
@@ -184,7 +184,7 @@ class ServedKernel(Kernel):
 
 @contextmanager
 def robot(name: str, path: Path) -> Iterator[str]:
-    """A robot in a process of its own; where it can be reached."""
+    """Start a robot in a separate process. Yield its address."""
     with ExitStack() as ends:
         if name == "ros1":
             ends.callback(start_master().kill)
@@ -199,8 +199,8 @@ def robot(name: str, path: Path) -> Iterator[str]:
 
 
 def measured(name: str, times: int = TIMES) -> list[Stopped]:
-    """Every cause, on one feed."""
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # the kernels inherit that nohup ignores it
+    """Measure every cause on one feed."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # kernels would inherit that nohup ignores it
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "heard.txt")
         path.touch()
@@ -219,7 +219,7 @@ def measured(name: str, times: int = TIMES) -> list[Stopped]:
 
 
 def available() -> list[str]:
-    """The feeds that can be measured here."""
+    """Return the feeds that can be measured on this machine."""
     return [name for name in OPEN if name != "ros1" or Path(SYSTEM, "rospy").is_dir()]
 
 
@@ -258,7 +258,7 @@ def _end(setup: str, end: str, path: Path) -> float:
 
 
 def _until_zero(path: Path, cause: float, hold: float = 0.0) -> float:
-    """Seconds from a cause to zero; infinite where none came in time, or something moved after it."""
+    """Return seconds from a cause to zero; infinite if zero did not come in time, or something moved after it."""
     end = cause + hold + WINDOW
     time.sleep(max(0.0, end - time.monotonic()) + 0.1)
     lines = [line.split() for line in path.read_text().split("\n")[:-1]]

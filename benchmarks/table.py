@@ -54,23 +54,23 @@ LIMITS = {
     "flooded_latency": 1.2,
     "bytes": 1.1,
 }
-"""How many times the bare canvas's figure ours may be."""
+"""The limits of our figures as multiples of the bare canvas's figures."""
 
 
 def figures(rows: Mapping[str, dict[str, float]]) -> str:
-    """What was measured, one line per library."""
+    """Return the figures, one line per library."""
     body = [[name, *(say(row[column]) for column in COLUMNS)] for name, row in rows.items()]
     return markdown(["", *COLUMNS.values()], body)
 
 
 def rooms(speeds: Mapping[str, simulator.Room]) -> str:
-    """How many times faster than time the simulated robot is, one line per room."""
+    """Return the speed of the simulated robot as a multiple of real time, one line per room."""
     body = [[name, str(room.walls), say(room.speed)] for name, room in speeds.items()]
     return markdown(["room", "walls", "times real time"], body)
 
 
 def stops(found: Iterable[Stopped]) -> str:
-    """Seconds from a cause to zero, the worst and the median, one line per cause."""
+    """Return the worst and the median seconds from a cause to zero, one line per cause."""
     by_cause: dict[str, dict[str, list[float]]] = {}
     for stopped in found:
         by_cause.setdefault(stopped.cause, {})[stopped.feed] = stopped.seconds
@@ -84,14 +84,14 @@ def stops(found: Iterable[Stopped]) -> str:
 
 
 def programs(found: Found) -> str:
-    """Milliseconds to the first step of a version, and per step."""
+    """Return milliseconds to the first step of a version, and per step."""
     heads = ["cell to first step, median", "p95", "a step", "with a machine", "and its widget", "its one distance"]
     values = [found.first_step_median, found.first_step_p95, found.plain, found.machine, found.watched, found.event]
     return markdown(heads, [[f"{value:.3f}" for value in values]])
 
 
 def ratios(rows: Mapping[str, dict[str, float]], ours: str) -> str:
-    """How many times better robowidgets is in each figure, one line per other library."""
+    """Return the advantage of robowidgets in each figure, one line per other library."""
     body = []
     for name, row in rows.items():
         if name != ours:
@@ -100,13 +100,13 @@ def ratios(rows: Mapping[str, dict[str, float]], ours: str) -> str:
 
 
 def advantage(column: str, ours: dict[str, float], theirs: dict[str, float]) -> float:
-    """How many times better ours is; above 1 is better, infinite where theirs never came."""
+    """Return the ratio of their figure to ours: above 1 is better, infinite if theirs never came."""
     more, less = (ours, theirs) if column in MORE_IS_BETTER else (theirs, ours)
     return more[column] / less[column] if less[column] else inf
 
 
 def misses(rows: Mapping[str, dict[str, float]], ours: str, limit: str) -> list[str]:
-    """Each target that these figures miss, in words."""
+    """Return a text for each target that these figures miss."""
     found = []
     for name, row in rows.items():
         if name == ours:
@@ -120,7 +120,7 @@ def misses(rows: Mapping[str, dict[str, float]], ours: str, limit: str) -> list[
 
 
 def fours(parts: Mapping[str, Four]) -> str:
-    """Four widgets at once."""
+    """Return the table of four widgets at once."""
     titles = ["four laser widgets", "messages per s, at most", "painted per s each", "latency, ms", "p95"]
     body = [
         [name, say(f.messages), say(f.painted), say(f.latency), say(f.latency_p95), yes(f.newest_shown), yes(f.dropped)]
@@ -130,7 +130,7 @@ def fours(parts: Mapping[str, Four]) -> str:
 
 
 def endurance(parts: Mapping[str, Endurance]) -> str:
-    """A long flood."""
+    """Return the table of a long flood."""
     titles = ["one laser widget, flooded", "painted per s", "latency, ms", "p95"]
     memories = ["page's heap, MB", "kernel, MB", "server, MB"]
     body = [[name, *map(say, vars(part).values())] for name, part in parts.items()]
@@ -138,7 +138,7 @@ def endurance(parts: Mapping[str, Endurance]) -> str:
 
 
 def feeds(figures: Mapping[str, FeedFigures]) -> str:
-    """Feeds, one line each."""
+    """Return the table of feeds, one line each."""
     titles = ["", "bare subscriber's callback, ms", "handed on by the feed", "painted", "p95"]
     more = ["the widget alone, `update` to paint", "added by the feed", "four widgets: % of one core"]
     body = []
@@ -150,13 +150,13 @@ def feeds(figures: Mapping[str, FeedFigures]) -> str:
 
 
 def feed_endurance(parts: Mapping[str, FeedEndurance]) -> str:
-    """A feed at 1000 Hz for long."""
+    """Return the table of a feed at 1000 Hz for a long time."""
     titles = ["a feed at 1000 Hz", "latency, ms", "p95", "page's heap, MB", "kernel, MB"]
     return markdown(titles, [[name, *map(say, vars(part).values())] for name, part in parts.items()])
 
 
 def whole(file: Whole) -> str:
-    """From `open` to all scans and to the scanogram of one file, beside reading its bytes."""
+    """Return the times from `open` to all scans and to the scanogram of a file, and of reading its bytes."""
     body = [
         ["its bytes, read into Python", say(file.read), ""],
         ["all scans as one array", say(file.array), times(file.array / file.read)],
@@ -166,7 +166,7 @@ def whole(file: Whole) -> str:
 
 
 def decodings(files: Mapping[str, Decoding]) -> str:
-    """How long it takes to decode scans, one line per topic."""
+    """Return the times to decode scans, one line per topic."""
     body = [
         [name, f"{d.scans:,} of {d.rays:,} rays", say(d.ours), say(d.rosbags), times(d.rosbags / d.ours)]
         for name, d in files.items()
@@ -175,13 +175,13 @@ def decodings(files: Mapping[str, Decoding]) -> str:
 
 
 def peaks(work: Mapping[str, tuple[float, float]]) -> str:
-    """Memory, one line per kind of work."""
+    """Return the memory, one line per kind of work."""
     body = [[name, say(one), say(ten), say(ten - one)] for name, (one, ten) in work.items()]
     return markdown(["most memory, MB", "the written file", "ten times as much", "more by"], body)
 
 
 def waits(kinds: Mapping[str, Waiting]) -> str:
-    """From clicks to paint, beside the bare round trip."""
+    """Return the times from clicks to paint, and of the bare round trip."""
     bare, framed = kinds[ROUND_TRIP].middle, kinds[FRAMED].middle
     body = [
         [name, say(one.middle), say(one.late), times(one.middle / bare), times(one.middle / framed)]
@@ -191,18 +191,18 @@ def waits(kinds: Mapping[str, Waiting]) -> str:
 
 
 def plays(kinds: Mapping[str, Playing]) -> str:
-    """Playing, beside the frames of a page where nothing plays."""
+    """Return the figures of playing, and the frames of a page without playing."""
     body = [[name, *map(say, vars(one).values())] for name, one in kinds.items()]
     return markdown(["", "animation frames per s", "painted per s", "seconds of the recording per s"], body)
 
 
 def opened(page: Opened) -> str:
-    """A page in a file, from opening it."""
+    """Return the times of a page in a file, from opening it."""
     return markdown(["MB", "laser, ms", "scanogram, ms"], [[say(page.size), say(page.laser), say(page.scanogram)]])
 
 
 def readings(files: Mapping[str, Reading]) -> str:
-    """Recordings; ratios are of times, so that below 1 is quicker than rosbags."""
+    """Return the figures of recordings. Ratios are ratios of times: below 1 is faster than rosbags."""
     head = ["", "open, ms", "rosbags", "ratio", "samples per s", "rosbags", "ratio"]
     body = []
     for name, r in files.items():
@@ -212,14 +212,14 @@ def readings(files: Mapping[str, Reading]) -> str:
 
 
 def plots(found: Mapping[str, Plotted]) -> str:
-    """Plots of an hour, one line per library."""
+    """Return the figures of plots of an hour, one line per library."""
     heads = ["", "seen after, ms", "MB", "a step of the wheel, ms", "at most", "of the pointer, ms"]
     more = ["kernel CPU at 1 kHz, of a core", "page CPU"]
     return markdown([*heads, *more], [[name, *map(say, vars(one).values())] for name, one in found.items()])
 
 
 def hour(found: Hour) -> str:
-    """What page and kernel keep in the first and in the last third of the run, and how soon a page shows the newest."""
+    """Return the memory of page and kernel in the first and the last third, and the delay of a page that reappears."""
     heads = ["", "seconds", "nodes", "listeners", "page's heap, MB", "kernel, MB"]
     body = [
         [name, say(one.seconds), say(one.nodes), say(one.listeners), say(one.page / 1e6), say(one.kernel / 1e6)]
@@ -233,7 +233,7 @@ def hour(found: Hour) -> str:
 
 
 def leaks(found: Mapping[str, Leak]) -> str:
-    """What each run of a cell adds to the page, one line per widget."""
+    """Return the increase of the page by each run of a cell, one line per widget."""
     limit = found[LIMIT].kilobytes
     body = [
         [
@@ -249,7 +249,7 @@ def leaks(found: Mapping[str, Leak]) -> str:
 
 
 def layers(costs: Mapping[str, Cost], drags: Mapping[int, float]) -> str:
-    """Everything on beside the plain widget, and how many frames a second a drag follows."""
+    """Return the cost of all layers and of the plain widget, and the frames per second of a drag."""
     plain, full = costs["laser"], costs["layers"]
     body = [
         [what, say(before), say(after), times(after / before)]
@@ -265,7 +265,7 @@ def layers(costs: Mapping[str, Cost], drags: Mapping[int, float]) -> str:
 
 
 def topics(found: Mapping[str, Beside]) -> str:
-    """The laser beside other topics, one line for each that is on show."""
+    """Return the latency of the laser with other topics, one line per view."""
     alone = found["alone"]
     body = [
         [
@@ -278,31 +278,31 @@ def topics(found: Mapping[str, Beside]) -> str:
     ]
     heads = [
         *("on show", "bare subscriber's callback, ms", "handed on by the feed", "painted", "p95", "of alone"),
-        *("painted per s of 40", "kernel: % of one core", "page: %", "messages per s beside the scans"),
+        *("painted per s of 40", "kernel: % of one core", "page: %", "messages per s without the scans"),
     ]
     return markdown(heads, body)
 
 
 def large(found: Mapping[str, Large]) -> str:
-    """Pictures and clouds beside a laser, one line for each."""
+    """Return the figures of pictures and clouds together with a laser, one line each."""
     body = [
         [PICTURES[name], *(say(getattr(one, field.name)) for field in fields(Large))] for name, one in found.items()
     ]
     heads = [
-        *("beside the laser", "`update` to drawn, ms", "p95", "drawn per s", "newer by then", "at most"),
+        *("with the laser", "`update` to drawn, ms", "p95", "drawn per s", "newer by then", "at most"),
         *("laser painted, ms", "p95", "kernel: % of one core", "page: %"),
     ]
     return markdown(heads, body)
 
 
 def markdown(head: Sequence[str], body: Iterable[Sequence[str]]) -> str:
-    """A table."""
+    """Return a table."""
     lines = [head, ["---"] * len(head), *body]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def say(value: float) -> str:
-    """A figure in as many digits as it deserves."""
+    """Return a figure with a suitable number of digits."""
     if isinf(value) or isnan(value):
         return "never" if isinf(value) else ""
     return f"{value:.2f}" if abs(value) < 10 else f"{value:,.0f}".replace(",", "\u202f")

@@ -1,4 +1,4 @@
-"""What is measured of a robot of thirty topics: the laser's latency beside them, and the CPU of kernel and page."""
+"""The laser's latency on a robot with thirty topics, and the CPU of kernel and page."""
 
 from __future__ import annotations
 
@@ -21,38 +21,38 @@ NAMES = {
 }
 MIDDLEWARES = ("dds", "foxglove")
 SETTLING = 3000
-"""Milliseconds for which all of it runs before anything counts."""
+"""Milliseconds of running before anything counts."""
 
 
 @dataclass(frozen=True)
 class Beside:
-    """The laser at 40 Hz beside what is on show. Milliseconds since publishing, and per cent of a core."""
+    """The laser at 40 Hz with other widgets, in milliseconds since publishing and per cent of a core."""
 
     bare: float
-    """To the callback of a bare subscriber, in a process of its own."""
+    """To the callback of a bare subscriber in a separate process."""
     handed: float
     """To a function that is connected to the feed."""
     painted: float
     painted_p95: float
     per_second: float
-    """Scans that are painted, of 40."""
+    """The painted scans of 40."""
     kernel: float
     page: float
-    """Of the page's main thread."""
+    """The load of the page's main thread."""
     rate: float
-    """Messages per second that the robot sends beside its scans."""
+    """The messages per second of the robot without its scans."""
 
 
 @dataclass(frozen=True)
 class Compared:
-    """The medians of some repeats of each, and how many processes wait for a core meanwhile."""
+    """The medians of some repeats of each, and the number of processes that ran or waited for a core."""
 
     figures: dict[str, Beside]
     load: float
 
 
 def compare(stage: Stage, middleware: str, seconds: float, repeats: int) -> Compared:
-    """All that is on show in turn, each in fresh notebooks."""
+    """Measure all views in turn, each in fresh notebooks."""
     found: dict[str, list[Beside]] = {name: [] for name in NAMES}
     loads = []
     for _ in range(repeats):
@@ -68,19 +68,19 @@ def compare(stage: Stage, middleware: str, seconds: float, repeats: int) -> Comp
 
 
 def once(stage: Stage, name: str, seconds: float) -> Beside:
-    """One fresh notebook."""
+    """Measure in a fresh notebook."""
     with stage.show(name, module="topics_kernel") as show:
         view = VIEW if name.endswith("-bare") else ".rw-laser"
         show.first_paint(view)
         show.notebook.python("source.beside('once')")
         show.notebook.page.wait_for_timeout(SETTLING)
-        # Where dots lie is learned from pictures that stand still, as none does beside what moves.
+        # The places of dots are learned from still pictures, before the other topics are published.
         show.learn()
         show.notebook.python("source.beside('go')")
         show.notebook.page.wait_for_timeout(SETTLING)
         before = show.page_cpu()
         show.start(f"pace(40, {seconds})")
-        # The cell of the run has scrolled the laser of a tall view out of sight, where it is drawn twice a second.
+        # The cell of the run has scrolled the laser of a tall view out of sight. There it is drawn only twice a second.
         show.notebook.page.locator(view).first.evaluate("view => view.scrollIntoView({ block: 'center' })")
         run = show.finish(PATIENCE)
         page = (show.page_cpu() - before) / 1000
@@ -88,7 +88,7 @@ def once(stage: Stage, name: str, seconds: float) -> Beside:
         bare, handed = (since_published(stage, run, file) for file in ("bare.npy", "heard.npy"))
         show.notebook.python("source.close()")
     if run.unread:
-        print(f"  {run.unread} frames of {name} said no number")
+        print(f"  {run.unread} frames of {name} had no readable number")
     return Beside(
         bare=float(np.nanmedian(bare)),
         handed=float(np.nanmedian(handed)),

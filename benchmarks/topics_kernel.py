@@ -1,4 +1,4 @@
-"""What runs in the notebook's kernel to measure the laser beside thirty topics: `feed.show` of a robot of such."""
+"""The code in the notebook's kernel that measures the laser of a robot with thirty topics: `feed.show`."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ CARDS = (
     "/pose",
     "/range/front",
 )
-"""What is asked for beside the laser and the speed: a plot and a message at 1 kHz, a plot, events, a map, a sonar."""
+"""The topics in addition to laser and speed: a plot and a message at 1 kHz, a plot, events, a map, a sonar."""
 SHOWN: dict[str, tuple[str, ...]] = {
     "alone": ("/scan",),
     "beside": ("/scan",),
     "cards": ("/scan", "/odom", *CARDS),
     "listed": (),
 }
-"""What is on show; none: what `feed.show()` shows."""
+"""The topics of each view, or nothing for the default of `feed.show()`."""
 ONE_TOPIC = ("bare", "alone")
-"""Of a robot that has the laser alone."""
+"""The views of a robot with only the laser."""
 
 
 class Source(feed_kernel.Source):
-    """The view of a feed, or a bare canvas in its place.
+    """The view of a feed, or a bare canvas instead.
 
     Args:
-        name: the middleware and what is on show: ``dds-cards``.
+        name: the middleware and the view: ``dds-cards``.
     """
 
     _robot: feed_kernel.Outside
@@ -77,12 +77,12 @@ class Source(feed_kernel.Source):
         super().put(number)
 
     def beside(self, do: str) -> None:
-        """Have the robot publish what it has beside its scans: "once", or from now on ("go")."""
+        """Publish the other topics of the robot, once ("once") or from now on ("go")."""
         if self._what not in ONE_TOPIC:
             self._robot.beside(do)
 
     def rate(self) -> float:
-        """How many messages per second the robot sends beside its scans."""
+        """Return the messages per second of the robot without its scans."""
         return self._robot.rate()
 
     def _hand(self, scan: Scan) -> None:

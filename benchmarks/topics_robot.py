@@ -1,4 +1,4 @@
-"""What a robot of thirty topics says beside its scans: messages of mixed types as CDR, two of them at 1 kHz."""
+"""The messages of a robot with thirty topics, without its scans: mixed types as CDR, two topics at 1 kHz."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ TOPICS = {
 """Type and messages per second of each topic; /scan is the thirtieth."""
 
 VARIANTS = 16
-"""Different messages of a topic, which come in turn."""
+"""The number of different messages of a topic, which come in turn."""
 _SIDE, _POINTS = 200, 2000
 _LENGTHS = {
     "transforms": 3,
@@ -61,15 +61,15 @@ _LENGTHS = {
     "cell_voltage": 4,
     "cell_temperature": 4,
 }
-"""Of arrays, by field; others have one element."""
+"""The lengths of arrays, by field. Other arrays have one element."""
 _STAMPED = ("builtin_interfaces/msg/Time", "std_msgs/msg/Header")
 
 
 class Robot:
-    """Publishes all topics of `TOPICS`, first once each, and from `start` on by a thread, each at its rate.
+    """A publisher of all topics in `TOPICS`: first once each, and from `start` on in a thread, each at its rate.
 
     Args:
-        sender_of: makes what publishes on a topic of a type.
+        sender_of: returns the publisher of a topic of a type.
     """
 
     def __init__(self, sender_of: Callable[[str, str], Send]) -> None:
@@ -93,7 +93,7 @@ class Robot:
         self._thread.start()
 
     def rate(self) -> float:
-        """The messages per second since it began."""
+        """Return the messages per second since the start."""
         return self._count / (time.perf_counter() - self._began)
 
     def stop(self) -> None:
@@ -119,7 +119,7 @@ class Robot:
 
 
 class _Messages:
-    """Makes messages of any type of ROS 2, filled with numbers that change from one to the next."""
+    """A factory of messages of any ROS 2 type, with numbers that change from message to message."""
 
     def __init__(self) -> None:
         from rosbags.typesys import Stores, get_typestore
@@ -127,14 +127,14 @@ class _Messages:
         self._store = get_typestore(Stores.ROS2_HUMBLE)
 
     def stamp_at(self, kind: str) -> int:
-        """Where the first stamp is in the bytes of a message; 0 without one."""
+        """Return the offset of the first stamp in the bytes of a message, or 0 without a stamp."""
         if kind == "tf2_msgs/msg/TFMessage":
-            return 8  # behind the number of transforms
+            return 8  # after the number of transforms
         _, what = self._store.fielddefs[kind][1][0][1]
         return 4 if what in _STAMPED else 0
 
     def of(self, topic: str, kind: str) -> list[bytearray]:
-        """The messages of a topic."""
+        """Return the messages of a topic."""
         made = (self._filled(kind, number) for number in range(VARIANTS))
         return [bytearray(self._store.serialize_cdr(_sensible(topic, message), kind)) for message in made]
 
@@ -168,7 +168,7 @@ def _value(name: str, kind: str, number: int) -> Any:
 
 
 def _sensible(topic: str, message: Any) -> Any:
-    """The message with sizes and names that hold together."""
+    """Return the message with consistent sizes and names."""
     frames = {"/imu": "base_link", "/odom": "odom", "/range/front": "front", "/range/left": "left"}
     if hasattr(message, "header"):
         message.header.frame_id = frames.get(topic, "map")

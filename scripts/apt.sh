@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# apt.sh WHAT PACKAGE...: installs Debian packages where nobody need be asked, else says what to install.
+# apt.sh WHAT PACKAGE...: installs Debian packages if it runs as root, or prints what to install.
 set -euo pipefail
 what=$1
 shift

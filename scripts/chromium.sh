@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sees to a Chromium and a font for the browser tests: the ones of the system, installed if need be.
+# Provides Chromium and a font for the browser tests: installs the system's packages if they are missing.
 set -euo pipefail
 for name in chromium chromium-browser google-chrome google-chrome-stable; do
   command -v "$name" >/dev/null && exit 0

@@ -1,7 +1,7 @@
-"""Builds the documentation as a static site: `docs_site.py OUT [--lite] [--only PAGE...]`.
+"""Build the documentation as a static site: `docs_site.py OUT [--lite] [--only PAGE...]`.
 
-Each Python block of a page is run, as tests/test_docs.py runs it, and the widgets that it shows stand below it, live,
-in place of the picture that follows it in the Markdown. Neither this script nor the site fetches anything from the web.
+It runs each Python block of a page as tests/test_docs.py does. Live widgets of the block replace the picture that
+follows the block in the Markdown. Neither this script nor the site fetches anything from the web.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import nbformat
 ROOT = Path(__file__).resolve().parents[1]
 STATIC = ROOT / "robowidgets" / "static"
 SECONDS = 300
-"""A page whose blocks take longer fails."""
+"""The time limit for the blocks of a page."""
 
 OTHER_PAGES = {
     ROOT / "README.md": "index.md",
@@ -34,7 +34,7 @@ OTHER_PAGES = {
 """Pages of the site with another name than in the repository."""
 
 NEEDS_KERNEL = {"drive_widget", "player_widget", "program_widget", "sheet_widget", "stop_widget", "topics_widget"}
-"""Widgets that Python must answer: their pictures stay, as those of widgets that have no script of their own."""
+"""Widgets that need answers of Python. They keep their pictures, like widgets without a script."""
 
 NOT_IN_BROWSER = {
     "connect",
@@ -47,7 +47,7 @@ NOT_IN_BROWSER = {
     "teach",
     "wires",
 }
-"""Pages whose snippets want a robot, processes, or what a browser has not: without "Try it"."""
+"""Pages without "Try it", because their snippets need a robot, processes, or features that a browser lacks."""
 
 API = {
     "Widgets": """LaserWidget SpeedWidget TouchWidget SonarWidget ImageWidget CloudWidget PathWidget PlotWidget
@@ -57,7 +57,7 @@ API = {
     "Shapes": "Arc Arrow Line Points Polygon Text",
     "Recordings": "open Recording RecordingError find summary",
 }
-"""Names of the package by page of the reference; modules have a page of their own."""
+"""The names of the package on each page of the reference. Each module has its own page."""
 API_MODULES = {
     "Conditions": "robowidgets.search.conditions",
     "Feeds": "robowidgets.feeds",
@@ -67,7 +67,7 @@ API_MODULES = {
 }
 
 OPEN = "lite/notebooks/index.html?path="
-"""Where a notebook of the site opens, whose name follows."""
+"""The address that opens a notebook of the site. The name of the notebook follows."""
 
 _BLOCK = re.compile(r"^```python\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 _PICTURE = re.compile(r"\n*(?:<picture>.*?</picture>|!\[[^\]]*\]\([^)]*\)|<img [^>]*>)\n", re.DOTALL)
@@ -94,16 +94,16 @@ def all_of(widget):
     return [one for child in widget.children for one in all_of(child)] if hasattr(widget, "children") else [widget]
 
 def waits(part):
-    """Whether no sample came yet that it could show."""
+    """Return True while the widget has received no sample."""
     frames = [value for value in part.get_state().values() if isinstance(value, (bytes, memoryview))]
     return bool(frames) and not any(frames)
 
 for number, source in enumerate(blocks):
-    with capture_output(stdout=False, stderr=False) as said:
+    with capture_output(stdout=False, stderr=False) as captured:
         cell = shell.run_cell(source)
     if not cell.success:
         raise SystemExit(f"block {number + 1}: {cell.error_before_exec or cell.error_in_exec!r}")
-    ids = [output.data[VIEW]["model_id"] for output in said.outputs if VIEW in output.data]
+    ids = [output.data[VIEW]["model_id"] for output in captured.outputs if VIEW in output.data]
     known = Widget._active_widgets if hasattr(Widget, "_active_widgets") else Widget.widgets
     shows = [known[i] for i in ids if i in known]
     if isinstance(cell.result, Widget) and cell.result not in shows:
@@ -114,7 +114,7 @@ for number, source in enumerate(blocks):
             continue
         models = Models()
         for part in parts:
-            # No kernel answers: no source to be silent, no history to be asked for.
+            # Without a kernel, a source cannot become silent, and the page cannot request history.
             known_traits = part.keys
             models.add(part, {k: v for k, v in {"_source": {}, "_silence": 0.0}.items() if k in known_traits})
         with open(out % number, "wb") as file:
@@ -123,10 +123,10 @@ for number, source in enumerate(blocks):
 
 
 def run_blocks(page: Path, live: Path) -> dict[int, str]:
-    """Run the Python blocks of a page; by number of block, the file with what it shows.
+    """Run the Python blocks of a page. Return, by the number of a block, the file with the widget that it shows.
 
     Raises:
-        SystemExit: a block fails, and why.
+        SystemExit: a block fails. The text contains the reason.
     """
     blocks = _BLOCK.findall(page.read_text(encoding="utf-8"))
     if not blocks:
@@ -145,7 +145,7 @@ def run_blocks(page: Path, live: Path) -> dict[int, str]:
 
 
 def with_widgets(text: str, shows: dict[int, str], up: str, notebook: str) -> str:
-    """A page's Markdown with its widgets live, and a link that opens each block where it runs."""
+    """Return the Markdown of a page with live widgets, and with a link per block that opens it in JupyterLite."""
     parts, at = [], 0
     for number, block in enumerate(_BLOCK.finditer(text)):
         parts.append(text[at : block.end()])
@@ -160,7 +160,7 @@ def with_widgets(text: str, shows: dict[int, str], up: str, notebook: str) -> st
 
 
 def in_both_schemes(text: str, source: Path, page: Path) -> str:
-    """A page's pictures, light or dark as the reader chose on the site, loaded when they are near."""
+    """Return the text of a page with light and dark pictures for the scheme of the reader, loaded on scrolling."""
     above = (ROOT / "docs" / page).parent
 
     def both(match: re.Match[str]) -> str:
@@ -174,7 +174,7 @@ def in_both_schemes(text: str, source: Path, page: Path) -> str:
 
 
 def within_site(text: str, source: Path, page: Path) -> str:
-    """A page whose links lead to other pages of the site; of a link that leaves it, the name of the file stays."""
+    """Return the text of a page with links to pages of the site. Links to other files become the names of the files."""
 
     def lead(match: re.Match[str]) -> str:
         words, target, section = match[1], match[2], match[3] or ""
@@ -187,13 +187,13 @@ def within_site(text: str, source: Path, page: Path) -> str:
             return f"{words} (`{file.relative_to(ROOT)}`)"
         return f"[{words}]({os.path.relpath(place, page.parent)}{section})"
 
-    # Every second part is a block of code, where `list[name](value)` is no link.
+    # Every second part is a block of code, in which `list[name](value)` is not a link.
     parts = _FENCE.split(text)
     return "".join(part if code % 2 else _LINK.sub(lead, part) for code, part in enumerate(parts))
 
 
 def notebook_of(page: Path) -> nbformat.NotebookNode:
-    """A page as a notebook: its text without what leads to other pages, and its Python, in order."""
+    """Return a page as a notebook: its text without links to other pages, and its Python blocks, in order."""
     text, cells, at = page.read_text(encoding="utf-8"), [], 0
     for block in _BLOCK.finditer(text):
         if words := _LINK.sub(r"\1", _PICTURE.sub("\n", text[at : block.start()])).strip():
@@ -204,7 +204,7 @@ def notebook_of(page: Path) -> nbformat.NotebookNode:
 
 
 def api_pages() -> Iterator[tuple[str, str]]:
-    """Name and Markdown of each page of the reference."""
+    """Yield the name and the Markdown of each page of the reference."""
     for title, names in API.items():
         yield title.lower(), f"# {title}\n\n" + "\n\n".join(f"::: robowidgets.{name}" for name in names.split()) + "\n"
     for title, module in API_MODULES.items():
@@ -212,12 +212,12 @@ def api_pages() -> Iterator[tuple[str, str]]:
 
 
 def write_sources(to: Path, only: list[str], lite: bool) -> None:
-    """Write what the generator reads: Markdown, pictures, scripts, and the states of widgets."""
-    docs_of, docs, live, tries = ROOT / "docs", to / "docs", to / "docs" / "live", to / "try"
-    shutil.copytree(docs_of, docs, ignore=lambda folder, _: ["README.md"] if Path(folder) == docs_of else [])
+    """Write the input of the site generator: Markdown, pictures, scripts, and the states of widgets."""
+    written, docs, live, tries = ROOT / "docs", to / "docs", to / "docs" / "live", to / "try"
+    shutil.copytree(written, docs, ignore=lambda folder, _: ["README.md"] if Path(folder) == written else [])
     for folder in (live, tries):
         folder.mkdir()
-    pages = {path: path.relative_to(docs_of) for path in sorted(docs_of.glob("**/*.md")) if path not in OTHER_PAGES}
+    pages = {path: path.relative_to(written) for path in sorted(written.glob("**/*.md")) if path not in OTHER_PAGES}
     asked = [source for source in pages if not only or source.stem in only]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         shows = dict(zip(asked, pool.map(lambda source: run_blocks(source, live), asked), strict=True))
@@ -247,10 +247,10 @@ def write_sources(to: Path, only: list[str], lite: bool) -> None:
 
 
 def main() -> None:
-    """Build the documentation into the folder that the shell names."""
+    """Build the documentation into the folder of the command line."""
     given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     given.add_argument("out", type=Path)
-    given.add_argument("--only", nargs="*", default=[], help="run the blocks of these pages only")
+    given.add_argument("--only", nargs="*", default=[], help="run only the blocks of these pages")
     given.add_argument("--lite", action="store_true", help="the site has JupyterLite in lite/, which opens the pages")
     asked = given.parse_args()
     with tempfile.TemporaryDirectory() as folder:

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sees to a Firefox, in which exported pages are tested too; where it cannot be installed, these tests are skipped.
+# Provides Firefox for the tests of exported pages. If it cannot be installed, these tests are skipped.
 set -euo pipefail
 for name in firefox-esr firefox; do
   command -v "$name" >/dev/null && exit 0

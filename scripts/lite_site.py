@@ -1,10 +1,10 @@
-"""Builds JupyterLite with robowidgets as a folder that any web server serves: `lite_site.py OUT [NAME=FOLDER...]`.
+"""Build JupyterLite with robowidgets as a folder for any web server: `lite_site.py OUT [NAME=FOLDER...]`.
 
-Notebooks: those of the package, with the lessons in all languages, the study, and those in each FOLDER, below NAME,
-with the modules beside them. It asks no registry: the packages lie in .venv-site, as scripts/lite.sh fetches them.
-NumPy for the browser is in no registry. ROBOWIDGETS_PYODIDE_NUMPY names the file of Pyodide's distribution, or is
-`pyodide`, which fetches it from there; its hash is that of Pyodide's lock. Without it JupyterLite is built, but its
-notebooks end at the first import.
+It contains the notebooks of the package, with the lessons in all languages, the study, and the notebooks and modules of
+each FOLDER below NAME. It accesses no registry: scripts/lite.sh fetches the packages into .venv-site. NumPy for the
+browser is not in a registry. ROBOWIDGETS_PYODIDE_NUMPY names its file of Pyodide's distribution, or is `pyodide` to
+fetch it from there. Its hash must match Pyodide's lock. Without NumPy, JupyterLite is built, but its notebooks fail at
+the first import.
 """
 
 from __future__ import annotations
@@ -60,25 +60,25 @@ STAND_INS: dict[str, dict[str, Path]] = {
         "backports_zstd-0.0.0.dist-info/licenses/LICENSE": FZSTD / "LICENSE",
     },
 }
-"""What the kernel or a package asks for, by name of the wheel, and is compiled: what unpacks recordings is JavaScript.
-The site does without 5 MB for completions, and without the database that keeps the history."""
+"""Replacements for compiled dependencies of the kernel or a package, by name of the wheel. Recordings are unpacked by
+JavaScript. The site saves the 5 MB of completions, and the database of the history."""
 
 LEFT_OUT = frozenset({"apsw", "zstandard", "jupyterlab-widgets", "pexpect", "jedi"})
-"""What packages depend on and a browser does not have, or does not need: databases, packing recordings, a terminal."""
+"""Dependencies that a browser does not have or need: databases, compression of recordings, a terminal."""
 
 PRELOADED = ("micropip", "piplite", "sqlite3", "ipykernel", "comm", "pyodide_kernel", "jedi", "ipython", "robowidgets")
-"""With the underscore of `pyodide_kernel`: the kernel compares these names with those that it would fetch from PyPI."""
+"""The packages to load first. The kernel compares these names with its names on PyPI, so `pyodide_kernel` has a `_`."""
 
 NO_FILES = (
-    "Python reaches no file beside this notebook, and what it writes is not kept: this browser gives the page no "
-    "service worker, as in a private window, or where the address begins with http:// and is not that of localhost."
+    "Python cannot read other files of this folder, and files that it writes are lost: this browser gives the page no "
+    "service worker, as in a private window, or for an address that begins with http:// and is not localhost."
 )
 
 BROWSER = {"sys_platform": "emscripten", "platform_system": "Emscripten", "python_version": "3.13", "extra": ""}
 
 
 def main() -> None:
-    """Build JupyterLite into the folder that the shell names."""
+    """Build JupyterLite into the folder of the command line."""
     given = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     given.add_argument("out", type=Path)
     given.add_argument("folders", nargs="*", metavar="NAME=FOLDER", help="notebooks to add, below a name")
@@ -91,7 +91,7 @@ def main() -> None:
         files.mkdir()
         for folder in ("", *(one.name for one in SHIPPED.iterdir() if one.is_dir())):
             for notebook in SHIPPED.glob("*.ipynb"):
-                written = SHIPPED / folder / notebook.name  # in that language, as far as it is
+                written = SHIPPED / folder / notebook.name  # in that language if it is translated
                 copy_notebook(written if written.exists() else notebook, files / folder / notebook.name)
         for one in (f"{STUDIES.name}={STUDIES}", *asked.folders):
             name, _, source = one.partition("=")
@@ -111,7 +111,7 @@ def main() -> None:
 
 
 def copy_notebook(source: Path, target: Path) -> None:
-    """Copy a notebook, with the kernel that the browser has: for another one JupyterLite would ask."""
+    """Copy a notebook with the browser's kernel, because JupyterLite would ask the user about another kernel."""
     notebook = json.loads(source.read_text(encoding="utf-8"))
     notebook["metadata"]["kernelspec"] = {"name": "python", "display_name": "Python (Pyodide)", "language": "python"}
     target.parent.mkdir(exist_ok=True)
@@ -119,12 +119,12 @@ def copy_notebook(source: Path, target: Path) -> None:
 
 
 def write_core(to: Path) -> None:
-    """Write Python for the browser, the packages beside it, and the lock that names them all."""
+    """Write Python for the browser, its packages, and the lock that lists them."""
     to.mkdir(parents=True)
     for name in CORE:
         shutil.copy(PYODIDE / name, to)
     found = [*(VENV / "wheels").glob("*.whl"), *KERNEL.glob("*.whl"), *map(stand_in, STAND_INS), own_wheel()]
-    # Of widgetsnbextension the kernel has a wheel for ipywidgets 7, and one for 8.
+    # The kernel has two wheels of widgetsnbextension, for ipywidgets 7 and 8.
     by_name = {canonicalize_name(wheel.name.split("-")[0]): wheel for wheel in sorted(found, key=lambda one: one.name)}
     lock = json.loads((PYODIDE / "pyodide-lock.json").read_text(encoding="utf-8"))
     numpy = numpy_of(lock)
@@ -140,7 +140,7 @@ def write_core(to: Path) -> None:
 
 
 def entry_of(wheel: Path, names: set[str]) -> dict[str, Any]:
-    """What the lock says of a wheel, whose name and needs it has from its metadata."""
+    """Return the entry of a wheel in the lock, with the name and the dependencies from its metadata."""
     with zipfile.ZipFile(wheel) as archive:
         files = archive.namelist()
         metadata = next(name for name in files if name.endswith(".dist-info/METADATA"))
@@ -164,7 +164,7 @@ def entry_of(wheel: Path, names: set[str]) -> dict[str, Any]:
 
 
 def own_wheel() -> Path:
-    """The wheel of this checkout, with the bundles that are built."""
+    """Return the wheel of this checkout, with its built bundles."""
     to = VENV / "own"
     shutil.rmtree(to, ignore_errors=True)
     subprocess.run(
@@ -175,7 +175,7 @@ def own_wheel() -> Path:
 
 
 def stand_in(name: str) -> Path:
-    """A wheel with our own files, or with none, in place of another."""
+    """Return a wheel with our files, or without files, that replaces another wheel."""
     info, wheel = f"{name}-0.0.0.dist-info", VENV / f"{name}-0.0.0-py3-none-any.whl"
     texts = {
         **{file: source.read_text(encoding="utf-8") for file, source in STAND_INS[name].items()},
@@ -190,7 +190,7 @@ def stand_in(name: str) -> Path:
 
 
 def record(texts: dict[str, str]) -> Iterable[str]:
-    """The lines of a wheel's record."""
+    """Yield the lines of a wheel's record."""
     for file, text in texts.items():
         data = text.encode()
         digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
@@ -198,11 +198,11 @@ def record(texts: dict[str, str]) -> Iterable[str]:
 
 
 def numpy_of(lock: dict[str, Any]) -> bytes:
-    """NumPy for the browser, checked against Pyodide's lock; empty where there is none."""
+    """Return NumPy for the browser, checked against Pyodide's lock, or nothing if it is not configured."""
     given, entry = os.environ.get("ROBOWIDGETS_PYODIDE_NUMPY", ""), lock["packages"]["numpy"]
     if not given:
         print(
-            "Skipped: NumPy for the browser, so the site's notebooks end at `import robowidgets`. "
+            "Skipped: NumPy for the browser, so the site's notebooks fail at `import robowidgets`. "
             f"ROBOWIDGETS_PYODIDE_NUMPY={entry['file_name']} or =pyodide adds it."
         )
         return b""
@@ -228,7 +228,7 @@ def numpy_of(lock: dict[str, Any]) -> bytes:
 
 
 def write_settings(lite: Path) -> None:
-    """Have the kernel load Python and all packages from the site, and nothing from elsewhere."""
+    """Write the settings with which the kernel loads Python and all packages only from the site."""
     lock = json.loads((lite / "static" / "pyodide" / "pyodide-lock.json").read_text(encoding="utf-8"))
     kernel = {
         "pyodideUrl": "./static/pyodide/pyodide.js",
@@ -246,7 +246,7 @@ def write_settings(lite: Path) -> None:
 
 
 def add_start(out: Path) -> None:
-    """Have each page of JupyterLite begin with how much of Python is loaded, and with what its browser cannot do."""
+    """Add a start to each page of JupyterLite: the progress of loading Python, and missing features of the browser."""
     pyodide = out / "static" / "pyodide"
     packages = json.loads((pyodide / "pyodide-lock.json").read_text(encoding="utf-8"))["packages"]
     wanted, names = list(map(canonicalize_name, PRELOADED)), set[str]()
@@ -277,7 +277,7 @@ loadPyodide({ indexURL: folder, packages }).then(
 
 
 def check(folder: Path) -> None:
-    """Load what the kernel loads: a name that the lock does not have leaves the page of a notebook silent."""
+    """Load the packages of the kernel, because a name missing in the lock would leave a notebook without a message."""
     node = shutil.which("node", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}")
     ended = subprocess.run(
         [str(node), "-e", _CHECK, folder.resolve(), *PRELOADED],

@@ -1,6 +1,6 @@
 """Write robowidgets/data/sample.mcap: a simulated robot drives through a house and bumps into things.
 
-A ROS 2 recording as `ros2 bag record -s mcap` would leave it: /scan, /odom, /cmd_vel and /bumper.
+The file is like a recording by `ros2 bag record -s mcap`, with /scan, /odom, /cmd_vel and /bumper.
 
     python scripts/make_sample.py [FILE]
 """
@@ -29,11 +29,11 @@ DURATION = 58.0
 STEP = 0.05
 FORWARD = 0.6
 START_NS = 1_750_000_000 * 1_000_000_000
-"""Header stamps and log times start here (a day in June 2025), so that the file is the same whenever it is written."""
+"""The start of header stamps and log times (a day in June 2025), fixed so that the file is always the same."""
 
 BUMPER_EVENT = "kobuki_ros_interfaces/msg/BumperEvent"
 BUMPERS = ("left", "center", "right")
-"""In the order of the constants LEFT, CENTER and RIGHT."""
+"""The bumpers in the order of the constants LEFT, CENTER and RIGHT."""
 TOPICS = {
     "/scan": "sensor_msgs/msg/LaserScan",
     "/odom": "nav_msgs/msg/Odometry",
@@ -61,7 +61,7 @@ def main(target: Path = SAMPLE) -> None:
 
 
 def drive() -> Iterator[tuple[str, int, Any]]:
-    """Topic, time and message of everything that the robot says on its way."""
+    """Yield the topic, time and message of everything that the robot publishes on its path."""
     robot = Robot(World.rooms(), pose=(0.2, -0.85, 0.5), scanner=Scanner(ray_count=451, intensities=True), seed=7)
     touched: dict[str, bool | None] = dict.fromkeys(BUMPERS, False)
     scan = None
@@ -83,7 +83,7 @@ def drive() -> Iterator[tuple[str, int, Any]]:
 
 
 def laser_scan(scan: Scan, scan_time: float) -> Any:
-    """A sensor_msgs/LaserScan."""
+    """Return a sensor_msgs/LaserScan."""
     return STORE.types[TOPICS["/scan"]](
         header=header(scan.stamp_ns, scan.frame_id),
         angle_min=scan.angle_min,
@@ -99,7 +99,7 @@ def laser_scan(scan: Scan, scan_time: float) -> Any:
 
 
 def odometry(speed: Speed, pose: Pose) -> Any:
-    """A nav_msgs/Odometry: the pose in the frame odom, the speed in the frame of the body."""
+    """Return a nav_msgs/Odometry: the pose in the frame odom, the speed in the frame of the body."""
     types = STORE.types
     where = types["geometry_msgs/msg/Pose"](
         position=types["geometry_msgs/msg/Point"](x=pose.x, y=pose.y, z=0.0),
@@ -115,19 +115,19 @@ def odometry(speed: Speed, pose: Pose) -> Any:
 
 
 def twist_stamped(speed: Speed) -> Any:
-    """A geometry_msgs/TwistStamped."""
+    """Return a geometry_msgs/TwistStamped."""
     return STORE.types[TOPICS["/cmd_vel"]](header=header(speed.stamp_ns, speed.frame_id), twist=twist(speed))
 
 
 def twist(speed: Speed) -> Any:
-    """A geometry_msgs/Twist."""
+    """Return a geometry_msgs/Twist."""
     vector = STORE.types["geometry_msgs/msg/Vector3"]
     linear, angular = (vector(**dict(zip("xyz", values, strict=True))) for values in (speed.linear, speed.angular))
     return STORE.types["geometry_msgs/msg/Twist"](linear=linear, angular=angular)
 
 
 def header(stamp_ns: int | None, frame_id: str) -> Any:
-    """A std_msgs/Header for a simulated time."""
+    """Return a std_msgs/Header for a simulated time."""
     sec, nanosec = divmod(START_NS + (stamp_ns or 0), 1_000_000_000)
     stamp = STORE.types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec)
     return STORE.types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame_id)

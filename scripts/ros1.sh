@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sees to a ROS 1 for its tests, where the system has packages of it; elsewhere they are skipped.
+# Provides ROS 1 for its tests if the system has packages of it. Otherwise these tests are skipped.
 set -euo pipefail
 if /usr/bin/python3 -c 'import geometry_msgs.msg, nav_msgs.msg, rosmaster, rospy, sensor_msgs.msg' 2>/dev/null; then
   exit 0

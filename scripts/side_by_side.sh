@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# side_by_side.sh COMMAND...: runs shell commands at the same time; those after the first say what they have to say when
-# it has ended. Fails if one of them failed.
+# side_by_side.sh COMMAND...: runs shell commands in parallel. The output of all but the first appears when the first has
+# ended. Fails if one of them failed.
 set -uo pipefail
 kept=$(mktemp -d)
 trap 'rm -rf "$kept"' EXIT
-# A shell starts what runs in the background with SIGINT ignored.
+# A shell ignores SIGINT in background commands.
 trap 'trap - EXIT TERM; rm -rf "$kept"; kill 0' INT TERM
 
 others=()

@@ -1,6 +1,6 @@
-"""Tells what script and stylesheet of each widget weigh, compressed as a server sends them, and what more of it costs.
+"""Print the compressed size of the script and stylesheet of each widget, and the cost of an increase.
 
-It refuses nothing. Who adds weight adds a row to `sizes.csv`, which says what it is for.
+It never fails. After an increase, add a row to `sizes.csv` with the reason.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from pathlib import Path
 STATIC = Path(__file__).parents[1] / "robowidgets" / "static"
 TABLE = Path(__file__).with_name("sizes.csv")
 MS_PER_KB = 0.8
-"""Milliseconds of a page until its first picture of the kind, once, as measured with 6 kB less of the laser."""
+"""Milliseconds per kB until a page shows its first widget of a kind, measured with a laser widget smaller by 6 kB."""
 WORTH_A_ROW = 250
-"""Bytes."""
+"""The increase in bytes from which a row is necessary."""
 
 
 def sizes() -> dict[str, int]:
-    """The bytes of each widget, as it was built last."""
+    """Return the bytes of each widget in the last build."""
     found = {}
     for script in sorted(STATIC.glob("*_widget.js")):
         parts = (script, script.with_suffix(".css"))
@@ -27,13 +27,13 @@ def sizes() -> dict[str, int]:
 
 
 def known() -> dict[str, int]:
-    """The bytes of each widget in its last row of the table."""
+    """Return the bytes of each widget in its last row of the table."""
     with TABLE.open(encoding="utf-8") as rows:
         return {row["widget"]: int(row["bytes"]) for row in csv.DictReader(rows)}
 
 
 def told(now: dict[str, int], before: dict[str, int]) -> list[str]:
-    """A line for each widget; one that has become heavier is told with the price of it."""
+    """Return a line for each widget, with the cost of an increase."""
     lines = []
     for name, size in now.items():
         line = f"{name} {size / 1000:.1f} kB"
@@ -41,8 +41,8 @@ def told(now: dict[str, int], before: dict[str, int]) -> list[str]:
             line += f": new. Give it a row in {TABLE.name}."
         elif (more := size - before[name]) >= WORTH_A_ROW:
             line += (
-                f": warning, {more / 1000:.1f} kB more than {TABLE.name} says; a page has its first one "
-                f"{MS_PER_KB * more / 1000:.1f} ms later. If that is worth it, add a row that says why."
+                f": warning, {more / 1000:.1f} kB more than in {TABLE.name}; a page shows its first one "
+                f"{MS_PER_KB * more / 1000:.1f} ms later. If this is worth it, add a row with the reason."
             )
         lines.append(line)
     return lines

@@ -1,8 +1,8 @@
-"""Gather what the lessons say, and write the lessons in each language in which `robowidgets/lessons/texts` has a file.
+"""Collect the texts of the lessons, and write the lessons in each language with a file in `robowidgets/lessons/texts`.
 
-Run it after a change of a lesson, of what a check says, or of a translation. It adds new texts to each ``.po`` file,
-for somebody to translate, marks those whose English has changed as fuzzy, and writes the compiled ``.mo`` files and
-``notebooks/LANGUAGE``. Exits with 1 while a translation is missing. A new language begins with an empty ``.po`` file.
+Run it after a change of a lesson, of a text of a check, or of a translation. It adds new texts to each ``.po`` file,
+marks texts with changed English as fuzzy, and writes the compiled ``.mo`` files and ``notebooks/LANGUAGE``. It exits
+with 1 while a translation is missing. A new language begins with an empty ``.po`` file.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Translate = Callable[[str], str]
 
 
 def said_by_checks() -> Iterator[tuple[str, str]]:
-    """(text, file) of all that the checks say."""
+    """Yield (text, file) for all texts of the checks."""
     for file in (*sorted(CHECKS.glob("*.py")), HINTS):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in SPEAKS:
@@ -48,24 +48,24 @@ def said_by_checks() -> Iterator[tuple[str, str]]:
 
 
 def literals(node: ast.expr) -> Iterator[str]:
-    """The texts that an argument may be: a literal, or one of two."""
+    """Yield the possible texts of an argument: a literal, or the literals of an if-expression."""
     if isinstance(node, ast.IfExp):
         yield from (*literals(node.body), *literals(node.orelse))
     elif isinstance(node, ast.Constant) and isinstance(node.value, str):
         if FIELD.sub("", node.value):
             yield node.value
-    elif not (isinstance(node, ast.Name) and node.id == "text"):  # that hands on what it was given
-        raise ValueError(f"line {node.lineno}: a text for a person stands as a literal where it is said")
+    elif not (isinstance(node, ast.Name) and node.id == "text"):  # the parameter of a wrapper
+        raise ValueError(f"line {node.lineno}: a text for the user must be a literal in the call that shows it")
 
 
 def lesson(name: str) -> dict[str, Any]:
-    """An English lesson."""
+    """Return an English lesson."""
     notebook: dict[str, Any] = json.loads((NOTEBOOKS / f"{name}.ipynb").read_text(encoding="utf-8"))
     return notebook
 
 
 def translated(notebook: dict[str, Any], language: str, translate: Translate) -> dict[str, Any]:
-    """A lesson in another language: its texts, and the comments and texts in its code."""
+    """Return a lesson in another language: its texts, and the comments and texts in its code."""
     cells = []
     for cell in notebook["cells"]:
         text = "".join(cell["source"])
@@ -80,17 +80,17 @@ def translated(notebook: dict[str, Any], language: str, translate: Translate) ->
 
 
 def in_code(text: str, translate: Translate) -> str:
-    """Code whose lines with words are translated."""
+    """Return code with its lines of words translated."""
     return "\n".join(translate(line) if has_words(line) else line for line in text.split("\n"))
 
 
 def has_words(line: str) -> bool:
-    """Whether a line of code has words for a person: a comment, or a text with blanks that is no move of a machine."""
+    """Return True if a line of code has words for the reader: a comment, or a text of words that is not a move."""
     return "# " in line or any(WORDS.search(text) and "->" not in text for text in TEXT.findall(line))
 
 
 def all_texts() -> Catalog:
-    """All that is to be translated, and where it stands."""
+    """Return all texts to translate, with their files."""
     catalog = empty()
     for text, file in said_by_checks():
         catalog.add(text, locations=[(file, 0)], flags=["python-brace-format"] if "{" in text else [])
@@ -105,13 +105,13 @@ def all_texts() -> Catalog:
 
 
 def empty(language: str | None = None) -> Catalog:
-    """A catalogue without texts, whose head is the same in each run."""
+    """Return a catalogue without texts. Its head is the same in each run."""
     head = f"# What the lessons say, written by scripts/translate.py for translations into: {language}"
     return Catalog(language, None, head, "robowidgets", creation_date=EPOCH, revision_date=EPOCH, fuzzy=False)
 
 
 def update(file: Path, english: Catalog) -> tuple[Catalog, list[str]]:
-    """The catalogue of a language with all texts, and those that it lacks."""
+    """Return the catalogue of a language with all texts, and the texts without a translation."""
     with file.open("rb") as opened:
         held = read_po(opened, locale=file.stem)
     held.update(english)
@@ -125,7 +125,7 @@ def update(file: Path, english: Catalog) -> tuple[Catalog, list[str]]:
 
 
 def files_of(language: str, catalog: Catalog) -> dict[Path, bytes]:
-    """All files of a language."""
+    """Return the content of all files of a language."""
 
     def translate(text: str) -> str:
         message = catalog.get(text)
@@ -138,7 +138,7 @@ def files_of(language: str, catalog: Catalog) -> dict[Path, bytes]:
         if message.id and any(str(file).endswith(".py") for file, _ in message.locations):
             spoken.add(message.id, message.string, flags=message.flags)
     write_mo(mo, spoken)
-    # Of Babel's version, of plurals, which no text has, and of addresses that there are not.
+    # Remove headers with Babel's version, with plurals, which no text has, and with placeholder addresses.
     text = re.sub(rb'"(Generated-By|Plural-Forms|.*EMAIL@ADDRESS|.*li\.org).*\n', b"", po.getvalue())
     made = {TEXTS / f"{language}.po": text, TEXTS / f"{language}.mo": mo.getvalue()}
     for name in LESSONS:
@@ -149,7 +149,7 @@ def files_of(language: str, catalog: Catalog) -> dict[Path, bytes]:
 
 
 def main() -> int:
-    """Write all files; returns 1 while a translation is missing."""
+    """Write all files. Return 1 while a translation is missing."""
     english, missing = all_texts(), 0
     for file in sorted(TEXTS.glob("*.po")):
         catalog, lacks = update(file, english)
@@ -157,7 +157,7 @@ def main() -> int:
             made.parent.mkdir(exist_ok=True)
             made.write_bytes(content)
         missing += len(lacks)
-        print(f"{file.stem}: {len(lacks)} of {len(english)} texts are to be translated")
+        print(f"{file.stem}: {len(lacks)} of {len(english)} texts need a translation")
         for text in lacks:
             print(f"  {text.splitlines()[0]}")
     return 1 if missing else 0

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# try_demo.sh: runs `make demo` as a newcomer does, and ends it when the page at the address that it prints answers.
+# try_demo.sh: runs `make demo` like a new user, and ends it once the page at the printed address answers.
 set -euo pipefail
 said=$(mktemp)
-# In a group of its own, so that what ends it reaches make and JupyterLab as in a terminal.
+# In a new process group, so that the signal to end it reaches make and JupyterLab as in a terminal.
 setsid env -u JUPYTER_TOKEN make demo </dev/null >"$said" 2>&1 &
 demo=$!
 end() {
-  # JupyterLab ends its kernels if it is asked to.
+  # JupyterLab ends its kernels on SIGTERM.
   kill -TERM -- "-$demo" 2>/dev/null || true
   for _ in $(seq 60); do
     kill -0 -- "-$demo" 2>/dev/null || break
@@ -26,6 +26,6 @@ for _ in $(seq 600); do
   kill -0 "$demo" 2>/dev/null || break
   sleep 1
 done
-echo "make demo printed no address that answers. It said:" >&2
+echo "make demo printed no address that answers. Its output:" >&2
 cat "$said" >&2
 exit 1

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# units_on.sh oldest|newest VERSIONS [OPTION...]: runs the unit tests on the first of these Python versions that is there,
-# with the oldest or the newest versions of the packages, in an environment of their own, .venv-oldest or .venv-newest.
-# Skips them if there is no such Python. Options are pytest's.
+# units_on.sh oldest|newest VERSIONS [OPTION...]: runs the unit tests on the first installed of these Python versions,
+# with the oldest or the newest versions of the packages, in the environment .venv-oldest or .venv-newest. Skips them if
+# no such Python is installed. Options are options of pytest.
 set -euo pipefail
 packages=$1
 versions=$2
@@ -20,7 +20,7 @@ fi
 
 if ! [ "$venv/.installed" -nt pyproject.toml ]; then
   rm -rf "$venv"
-  # By the pip of .venv, and not compiled: tests import a small part of it. That halves the time.
+  # With the pip of .venv, and without compiling, because tests import only a small part. This halves the time.
   "$python" -m venv --without-pip "$venv"
   constraints=()
   if [ "$packages" = oldest ]; then

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# venv.sh PYTHON: makes .venv with that Python, or says in one line what is in the way.
+# venv.sh PYTHON: makes .venv with that Python, or prints in one line why it cannot.
 set -euo pipefail
 python=$1
 command -v "$python" >/dev/null || scripts/apt.sh "$python" python3 python3-venv

@@ -1,4 +1,4 @@
-"""Gather the files of a study and compare the two forms: paired times, solved tasks, TLX and SUS."""
+"""Read the files of a study and compare the two forms by paired times, solved tasks, TLX and SUS."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _Z_975 = 1.959964
 class Measure(NamedTuple):
     """One measure of all participants, paired, and its effect with a 95 % confidence interval.
 
-    ``values`` has a row for each participant: with, without. The effect is the ratio of times (below 1: faster with
-    widgets), and otherwise the difference, with minus without. Without two differences that vary the interval is NaN.
+    ``values`` has a row for each participant: with, without. The effect is the ratio of times (below 1 means faster
+    with widgets), otherwise the difference, with minus without. The interval is NaN if the differences do not vary.
     """
 
     name: str
@@ -45,12 +45,12 @@ class Measure(NamedTuple):
     def interval(self) -> str:
         """The interval as text."""
         if math.isnan(self.low):
-            return "no interval: all participants differ alike"
+            return "no interval: the difference is the same for all participants"
         return f"95 % CI {self.low:.2f} to {self.high:.2f}"
 
 
 class Comparison:
-    """What a study found: `measures`, and a line in `problems` for each file that is left out."""
+    """The results of a study: `measures`, and a line in `problems` for each skipped file."""
 
     def __init__(self, participants: Sequence[int], measures: Iterable[Measure], problems: Sequence[str]) -> None:
         self.participants = tuple(participants)
@@ -75,13 +75,13 @@ class Comparison:
 
 
 def compare(folder: str | Path) -> Comparison:
-    """Compare all participants whose files (``P07.csv``) are in a folder and complete.
+    """Compare all participants with complete files (``P07.csv``) in a folder.
 
-    The 95 % confidence intervals are those of Student's t for the mean of the paired differences (of times: of their
-    logarithms). A task that was not solved counts with the limit of its time.
+    The 95 % confidence intervals use Student's t for the mean of the paired differences (for times, of their
+    logarithms). An unsolved task counts with its time limit.
 
     Raises:
-        ValueError: there are fewer than two of them.
+        ValueError: the folder has fewer than two complete files.
     """
     people: list[list[Row]] = []
     file_of: dict[int, str] = {}
@@ -98,7 +98,7 @@ def compare(folder: str | Path) -> Comparison:
             continue
         number = rows[0].participant
         if file_of.setdefault(number, file.name) != file.name:
-            problems.append(f"{file.name} is of participant {number}, as {file_of[number]} is: keep one of them")
+            problems.append(f"{file.name} and {file_of[number]} are both of participant {number}: keep one of them")
         else:
             people.append(rows)
     if len(people) < 2:
@@ -113,7 +113,7 @@ def compare(folder: str | Path) -> Comparison:
 
 
 def _incomplete(rows: Sequence[Row]) -> str:
-    """What the rows of one participant lack, or have too often; empty where each step of both forms is there once."""
+    """Return the missing or repeated steps of a participant, or an empty text if each step occurs once."""
     for kind, items in (("task", TASKS), ("tlx", TLX), ("sus", [str(number) for number in range(1, len(SUS) + 1)])):
         for form in (WITH, WITHOUT):
             found = [row.item for row in rows if (row.kind, row.condition) == (kind, form)]
@@ -164,7 +164,7 @@ def _t_975(freedom: int) -> float:
 
 
 def _pairs(measure: Measure) -> str:
-    """A line for each participant from with to without, and the means."""
+    """Return a picture with a line for each participant from with to without, and the means."""
     low, high = float(measure.values.min()), float(measure.values.max())
     span = (high - low) or 1.0
 

@@ -1,6 +1,6 @@
 """A study that measures whether the widgets help: tasks with and without them, times, right answers, TLX and SUS.
 
-`Study` holds the steps and writes them down; `Study.show` puts them on the page. See docs/teach.md.
+`Study` contains the steps and saves them; `Study.show` shows them on the page. See docs/teach.md.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ import numpy as np
 from robowidgets import LaserWidget, Scan, lessons
 from robowidgets.simulator import Robot, World
 
-CONSENT = """You solve eight short tasks with scans of a robot's laser: four with a picture that answers to the pointer,
-four with a plain one. After each four you say how it was. It takes about 40 minutes. What is tested are the pictures,
+CONSENT = """You solve eight short tasks with scans of a robot's laser: four with a picture that reacts to the pointer,
+and four with a plain picture. After each four tasks you rate them. This takes about 40 minutes. We test the pictures,
 not you.
 
-Written down are a number, not your name; the times, your answers to the tasks and your ratings. You may stop at any
-time, without a reason, and have your file deleted by its number. Ask whoever invited you whatever you want to know."""
+We save a number instead of your name, the times, your answers to the tasks, and your ratings. You may stop at any time,
+without a reason, and have your file deleted by its number. If you have questions, ask the person who invited you."""
 
 WITH, WITHOUT = "with", "without"
 LIMIT = 300.0
@@ -38,7 +38,7 @@ ORDERS = (
     ((WITH, "B"), (WITHOUT, "A")),
     ((WITHOUT, "B"), (WITH, "A")),
 )
-"""Which form, and which set of tasks, comes first: every four participants have each order once."""
+"""The orders of the two forms and the two sets of tasks. Of four participants, each has a different order."""
 
 TASKS = ("index", "distance", "gap", "code")
 """The four tasks of each form, by name."""
@@ -70,7 +70,7 @@ SUS = (
 
 @dataclass(frozen=True)
 class Task:
-    """A task: what is asked, of which scan, and whether an answer is right, or why not."""
+    """A task: a question about a scan, and a function that returns what is wrong with an answer."""
 
     name: str
     question: str
@@ -81,7 +81,7 @@ class Task:
 
 
 def tasks_of(which: str) -> list[Task]:
-    """The four tasks of set A or B, which differ in their scans and numbers alone."""
+    """Return the four tasks of set A or B. The sets differ only in their scans and numbers."""
     is_a = which == "A"
     room = Robot(World.rooms(), (0.6, -0.2, 0.0) if is_a else (-3.0, -0.8, 0.3), seed=21 if is_a else 22).scan()
     side, angle = ("left", "-30deg") if is_a else ("right", "30deg")
@@ -92,14 +92,19 @@ def tasks_of(which: str) -> list[Task]:
     if nearest is None or ray is None:
         raise RuntimeError(f"set {which}: the scan has nothing there")
     code = "wall_ahead" if is_a else "nearest_on_the_left"
-    told = "within 20 degrees of forward" if is_a else "in the quarter of the circle on the left"
+    area = "within 20 degrees of forward" if is_a else "in the quarter of the circle on the left"
     return [
         Task("index", f"At which index of ranges is the nearest thing on the {side}?", room, within(nearest.index, 3)),
-        Task("distance", f"How many metres away is what the ray at {angle} met?", room, within(ray.range, 0.05)),
+        Task(
+            "distance",
+            f"How far away, in metres, is the thing that the ray at {angle} meets?",
+            room,
+            within(ray.range, 0.05),
+        ),
         Task("gap", "How many metres wide is the gap in the wall one metre ahead?", gap, within(width, 0.1)),
         Task(
             "code",
-            f"Write a function that returns the distance in metres of the nearest thing {told}.",
+            f"Write a function that returns the distance in metres of the nearest thing {area}.",
             room,
             lambda text: code_wrong(code, text),
             is_code=True,
@@ -109,7 +114,7 @@ def tasks_of(which: str) -> list[Task]:
 
 
 def within(expected: float, tolerance: float) -> Callable[[str], str]:
-    """Judges a number as text."""
+    """Return a function that judges a number given as text."""
 
     def wrong(text: str) -> str:
         try:
@@ -122,10 +127,10 @@ def within(expected: float, tolerance: float) -> Callable[[str], str]:
 
 
 def code_wrong(name: str, text: str) -> str:
-    """What is wrong with a function, as the check of the lessons says it."""
+    """Return the faults of a function in the words of the lessons' check, or an empty text."""
     names: dict[str, Any] = {}
     try:
-        exec(compile(text, "<answer>", "exec"), names)  # "<string>" is code of a library, which gives no way
+        exec(compile(text, "<answer>", "exec"), names)  # not "<string>", which counts as code of a library
         result = lessons.check(names[name])
     except KeyError:
         return f"Keep the name {name}."
@@ -158,16 +163,16 @@ Step = tuple[str, int, str, str, Any]
 class Study:
     """The steps of one participant, each written to ``P07.csv`` as soon as it is done.
 
-    A file that is there already is continued after its last step.
+    An existing file is continued after its last step.
 
     Args:
-        participant: a number from 1; it decides the order.
-        folder: for the file.
-        clock: seconds, from any start.
-        now: the time of day.
+        participant: a number from 1, which determines the order.
+        folder: the folder for the file.
+        clock: returns seconds from any start.
+        now: returns the time of day.
 
     Raises:
-        ValueError: it is no number from 1 to 9999, or its file is damaged.
+        ValueError: not a number from 1 to 9999, or the file is damaged.
     """
 
     def __init__(
@@ -195,29 +200,29 @@ class Study:
 
     @property
     def step(self) -> Step | None:
-        """What is to be done now: kind, block, condition, set and task; None at the end."""
+        """The present step: kind, block, condition, set and task; None at the end."""
         return self._steps[0] if self._steps else None
 
     @property
     def scan(self) -> PlainScan | None:
-        """The numbers of the scan of the task, for cells of one's own; the same in both forms."""
+        """The numbers of the scan of the task, for other cells. They are the same in both forms."""
         task = self.step[4] if self.step else None
         return PlainScan(task.scan) if task else None
 
     def agree(self) -> None:
-        """The participant consents."""
+        """Record the consent of the participant."""
         self._end("consent", [("", "yes")])
 
     def answer(self, text: str) -> str:
-        """Answer the task; returns what is wrong, empty when it is right or its time is over."""
+        """Answer the task. Return what is wrong, or an empty text if it is right or the time is over."""
         if self.step is None or self.step[0] != "task":
-            raise ValueError("answer: there is no task now")
+            raise ValueError("answer: the present step is not a task")
         step = self.step
         self._tries += 1
         self._write("try", [(step[4].name, text)], right=False)
         late = self._clock() - self._since > LIMIT
         wrong = str(step[4].wrong(text))
-        if self.step is not step:  # it was left while the answer was judged
+        if self.step is not step:  # the participant gave up while the answer was judged
             return ""
         if not wrong or late:
             self._end("task", [(step[4].name, text)], right=not late)
@@ -238,7 +243,7 @@ class Study:
         self._end(kind, [(item, f"{values[item]:g}") for item in wanted])
 
     def _go_on(self, rows: Sequence[Row]) -> None:
-        """Count the time and the tries of a task on that was shown before the page was closed or loaded again."""
+        """Continue the time and the tries of a task that was shown before the page was closed or reloaded."""
         if self.step is None or self.step[0] != "task":
             return
         of_task = [row for row in rows if (row.block, row.item) == (self.step[1], self.step[4].name)]
@@ -253,13 +258,13 @@ class Study:
 
     def _end(self, kind: str, items: list[tuple[str, str]], right: bool = True) -> None:
         if self.step is None or self.step[0] != kind:
-            raise ValueError(f"there is no {kind} now")
+            raise ValueError(f"the present step is not {kind!r}")
         self._write(kind, items, right)
         self._steps.pop(0)
         self._begin()
 
     def _write(self, kind: str, items: list[tuple[str, str]], right: bool = True) -> None:
-        """Append rows to the file, which are there when this returns."""
+        """Append rows to the file."""
         assert self.step is not None
         _, block, condition, which, _ = self.step
         seconds = self._clock() - self._since
@@ -290,7 +295,7 @@ class Study:
     # -- on the page ---------------------------------------------------------------------------------------------------
 
     def show(self) -> Any:
-        """The study on the page."""
+        """Return the study as a widget."""
         from ipywidgets import VBox
 
         box = VBox()
@@ -319,7 +324,7 @@ class Study:
         elif kind == "task":
             head = HTML(f"<h3>Part {block} of 2: {escape(task.question)}</h3>")
             field = Textarea(task.given, layout=Layout(width="100%", height="7em")) if task.is_code else Text()
-            said = HTML()
+            reply = HTML()
 
             def judge() -> None:
                 before = self.step
@@ -328,22 +333,22 @@ class Study:
                 except Exception as error:
                     wrong = f"{type(error).__name__}: {error}"
                 if self.step is before:
-                    said.value = f"<pre>{escape(wrong)}</pre>"
+                    reply.value = f"<pre>{escape(wrong)}</pre>"
                     next_button.disabled = False
-                elif box.children[-1] is said:
+                elif box.children[-1] is reply:
                     self._draw(box)
 
             def check(_button: object) -> None:
                 next_button.disabled = True
-                # A thread may wait for the answer; what a button calls in a browser may not.
+                # In a thread, because a button's callback must not wait for the answer in a browser.
                 threading.Thread(target=judge, name="study", daemon=True).start()
 
             next_button.description = "Check"
             next_button.on_click(check)
             leave = Button(description="I cannot solve it")
             leave.on_click(then(self.give_up))
-            box.children = [head, picture(task.scan, condition), field, HBox([next_button, leave]), said]
-            if self._shown is not task:  # a cell that is run again does not turn back its time
+            box.children = [head, picture(task.scan, condition), field, HBox([next_button, leave]), reply]
+            if self._shown is not task:  # running the cell again does not reset the time
                 self._shown = task
                 self._begin()
                 self._write("shown", [(task.name, "")])
@@ -357,7 +362,7 @@ class Study:
             def send_tlx(_button: object) -> None:
                 left = [name for name in TLX if name not in moved]
                 if left:
-                    missing.value = f"Move each slider first, also one that belongs in the middle: {', '.join(left)}"
+                    missing.value = f"Move each slider first, even if it belongs in the middle: {', '.join(left)}"
                 else:
                     self.rate({name: slider.value for name, slider in sliders.items()})
                     self._draw(box)
@@ -401,14 +406,14 @@ class Study:
 
 
 def picture(scan: Scan, condition: str) -> Any:
-    """A scan with the widget, or as other tools show it: the outline, and the array as text."""
+    """Return a scan as the widget, or as other tools show it: a plain picture, and the array as text."""
     if condition == WITH:
         laser = LaserWidget(title="/scan", view_range=4)
         laser.update(scan)
         return laser
     from ipywidgets import HTML
 
-    # As in RViz: a grid of 1 m, the axes of the scanner, and the place and the number of the point under the pointer.
+    # Like RViz: a grid of 1 m, the axes of the scanner, and the place and the number of the point under the pointer.
     dots = "".join(
         f'<circle cx="{-y:.3f}" cy="{-x:.3f}" r=".025"><title>point {index}: x {x:.2f} m, y {y:.2f} m</title></circle>'
         for index, (x, y) in enumerate(_points(scan))
@@ -431,14 +436,14 @@ def picture(scan: Scan, condition: str) -> Any:
 
 
 def _points(scan: Scan) -> list[tuple[float, float]]:
-    """The place of each ray of a scan, in its order; not finite for one without a reading."""
+    """Return the place of each ray of a scan in order; not finite for a ray without a reading."""
     with np.errstate(invalid="ignore"):
         places = np.column_stack([scan.ranges * np.cos(scan.angles), scan.ranges * np.sin(scan.angles)])
     return [(x, y) for x, y in np.nan_to_num(places, nan=math.inf, posinf=math.inf, neginf=math.inf).tolist()]
 
 
 class PlainScan:
-    """The numbers of a scan, as a message has them: no method of it solves a task, and printed it shows no answer."""
+    """The numbers of a scan as in a message, without methods or a text that would solve a task."""
 
     def __init__(self, scan: Scan) -> None:
         self.ranges = scan.ranges
@@ -453,16 +458,16 @@ class PlainScan:
 
 
 def _done(rows: Sequence[Row]) -> int:
-    """How many steps the rows of a file complete."""
+    """Return the number of steps that the rows of a file complete."""
     kinds = ("consent", "task", "tlx", "sus")
     return len({(row.kind, row.block, row.item if row.kind == "task" else "") for row in rows if row.kind in kinds})
 
 
 def read_rows(file: Path) -> list[Row]:
-    """The rows of a file.
+    """Return the rows of a file.
 
     Raises:
-        ValueError: it is no file of this study, or damaged.
+        ValueError: it is not a file of this study, or it is damaged.
     """
     try:
         with file.open(encoding="utf-8", newline="") as opened:
@@ -483,5 +488,5 @@ def read_rows(file: Path) -> list[Row]:
                     raise ValueError(f"line {reader.line_num} took {seconds} s")
                 rows.append(Row(**{**row, **numbers, "seconds": seconds, "right": row["right"] == "True"}))
     except (ValueError, csv.Error) as error:
-        raise ValueError(f"{file.name} is no file of this study, or damaged: {error}") from None
+        raise ValueError(f"{file.name} is not a file of this study, or it is damaged: {error}") from None
     return rows

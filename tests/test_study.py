@@ -133,7 +133,7 @@ def test_a_file_is_continued_after_its_last_step_and_a_damaged_one_is_told(tmp_p
     text = (tmp_path / "P07.csv").read_text("utf-8")
     (tmp_path / "P09.csv").write_text(text[:-30], "utf-8")
     (tmp_path / "P10.csv").write_text("a,b\n1,2\n", "utf-8")
-    with pytest.raises(ValueError, match=r"two complete files or more .*P08.csv is not comp.*P09.csv is no file of"):
+    with pytest.raises(ValueError, match=r"two complete files or more .*P08.csv is not comp.*P09.csv is not a file of"):
         compare.compare(tmp_path)
     with pytest.raises(ValueError, match="expected a number from 1 to 9999, got 0"):
         study.Study(0, tmp_path)
@@ -154,7 +154,7 @@ def test_a_file_twice_and_one_without_some_rows_are_left_out_with_the_reason(tmp
     found = compare.compare(tmp_path)
     assert found.participants == (1, 2)
     assert [re.split("[,:;] ", problem)[:2] for problem in found.problems] == [
-        ["P02.csv is of participant 2", "as P02 (1).csv is"],
+        ["P02.csv and P02 (1).csv are both of participant 2", "keep one of them"],
         ["P03.csv is not complete", "expected a row for each tlx with widgets"],
         ["P04.csv is not complete", "expected a row for each task with widgets"],
         ["P05.csv is not complete", "expected a row for each sus with widgets"],

@@ -1,4 +1,4 @@
-"""The limit: what is left when a widget does nothing but dots, paced by time with the newest winning."""
+"""The limit: a widget that draws only dots, paced by time, always the newest scan."""
 
 import threading
 import time

@@ -10,7 +10,7 @@ QUARTERS = {"front": "front", "left": "left", "right": "right", "ahead": ("-15de
 
 
 def make(ranges):
-    """Four sectors, two conditions, of which one is lit, a ghost, the index view, and twenty shapes with each scan."""
+    """Four sectors, two conditions (one of them true), a ghost, the index view, and twenty shapes with each scan."""
     laser = LaserWidget(title="/scan", index_view=True, sectors=QUARTERS)
     laser.watch(lambda scan: scan.distance("front") < 1, name="close")
     laser.watch(conditions.nearest_below(FAR, ("-20deg", "20deg")), name="seen")

@@ -20,7 +20,7 @@ DONE = "done"
 """The event that is true when the nested machines of a state are in a state that no move leaves."""
 
 _VALUES = (bool, int, float, str, tuple, list, dict)
-"""What a member of a class is that is a variable."""
+"""The types of class members that are variables."""
 _SECONDS = r"(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|[^\W\d]\w*"
 _MOVE = re.compile(rf"(\w+|\*)\s*->\s*(\w+)(?:\s+on\s+(\w+)|\s+after\s+({_SECONDS})(?:\s+s)?|\s+at\s+once)")
 _FORMS = "'state -> state on event', 'state -> state after 0.5', 'state -> state at once', '* -> state on event'"
@@ -28,7 +28,7 @@ _FORMS = "'state -> state on event', 'state -> state after 0.5', 'state -> state
 
 @dataclass(frozen=True)
 class Move:
-    """A transition: on an event, after some seconds (a number, or the name of one), or, with neither, at once.
+    """A transition: on an event, after some seconds (a number, or the name of a number), or at once without either.
 
     ``source`` is ``*`` for any state of the machine.
     """
@@ -40,7 +40,7 @@ class Move:
 
     @property
     def why(self) -> str:
-        """When it is made: "on near", "after 0.5" or "at once"."""
+        """The trigger of the move: "on near", "after 0.5" or "at once"."""
         return f"on {self.event}" if self.event else f"after {self.after}" if self.after else "at once"
 
     def __str__(self) -> str:
@@ -49,7 +49,7 @@ class Move:
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """A state: its actions, the machines that run side by side while it is active, and the variables that it sets."""
+    """A state: its actions, the machines that run in parallel while it is active, and the variables that it sets."""
 
     name: str
     path: str
@@ -58,7 +58,7 @@ class Node:
     values: Mapping[str, Any] = field(default_factory=dict)
 
     def nodes(self) -> Iterator[Node]:
-        """The state and all states within."""
+        """Yield the state and all states within it."""
         yield self
         for machine in self.machines:
             for state in machine.states.values():
@@ -67,10 +67,9 @@ class Node:
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A machine: its states, the first of which is the initial one, and its moves, those from any state first.
+    """A machine: its states, beginning with the initial state, and its moves, beginning with the moves from any state.
 
-    ``unnamed`` are the states that no move names, and ``unused`` the functions without a name of their own that are
-    neither a state nor an event.
+    ``unnamed`` are the states that no move names, and ``unused`` the lambdas that are neither a state nor an event.
     """
 
     path: str
@@ -86,7 +85,7 @@ class Outline:
         return next(iter(self.states))
 
     def look_up(self, name: str) -> Any:
-        """What a name stands for in the classes around, or in the notebook, now. LookupError for nothing."""
+        """Return the current value of a name in the enclosing classes or the notebook; LookupError if not found."""
         for scope in self.scopes:
             if name in scope:
                 return _plain(scope[name])
@@ -94,7 +93,7 @@ class Outline:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What its author may have meant otherwise, one line each."""
+        """Hints on likely mistakes of the author, one line each."""
         lost = [name for name in self.unnamed if name != self.initial]
         return (
             *(f"no move leads to the state {spelled(self.path)} › {name}" for name in lost),
@@ -102,12 +101,12 @@ class Outline:
         )
 
     def is_last(self, state: str) -> bool:
-        """Whether no move leaves a state, other than those from any state."""
+        """Return True if no move leaves the state, except moves from any state."""
         return all(move.source != state for move in self.moves)
 
 
 def described(machine: Outline) -> dict[str, Any]:
-    """A machine with all within as plain values: `Outline` in js/machine/traits.ts."""
+    """Return a machine and everything in it as plain values: `Outline` in js/machine/traits.ts."""
     states = [
         {"name": name, "path": node.path, "machines": [described(inner) for inner in node.machines]}
         for name, node in machine.states.items()
@@ -117,7 +116,7 @@ def described(machine: Outline) -> dict[str, Any]:
 
 
 def _compares(machine: Outline, name: str | None) -> bool:
-    """Whether an event may tell the numbers that it compares."""
+    """Return True if an event may report the numbers that it compares."""
     event = None if name in (None, DONE) else machine.look_up(str(name))
     if event is None or isinstance(event, bool):
         return False
@@ -128,10 +127,10 @@ def _compares(machine: Outline, name: str | None) -> bool:
 
 
 def outline_of(cls: type) -> Node:
-    """The root state of the machine that a class describes.
+    """Return the root state of the machine that a class describes.
 
     Raises:
-        TypeError, ValueError: something in it is no state, no action or no move; the text says what.
+        TypeError, ValueError: a member of the class is not a state, an action or a move; the text names it.
     """
     module = vars(sys.modules[cls.__module__])
     body = _body(cls)
@@ -163,7 +162,7 @@ def _node(name: str, value: Any, path: str, scopes: tuple[Mapping[str, Any], ...
         events = _events_within(body)
         if lost := [key for key, part in body.items() if key not in inner and _is_state(key, part, events)]:
             raise TypeError(
-                f"class {path} has no 'moves', so {lost[0]} is no state, and no event of the machines in the class"
+                f"class {path} has no 'moves', so {lost[0]} is neither a state nor an event of its machines"
             )
     others = [key for key in body if not (key.startswith("_") or key in ACTIONS or key in values)]
     if not inner and (others or not actions):
@@ -196,7 +195,7 @@ def _machine(cls: type, path: str, scopes: tuple[Mapping[str, Any], ...]) -> Out
     unnamed = tuple(key for key, part in body.items() if key not in names and _is_state(key, part, events))
     unused = tuple(key for key, part in body.items() if key not in {*names, *events} and _is_lambda(key, part))
     ordered = [key for key in body if key in names or key in unnamed]
-    if not any(move.source == "*" for move in moves):  # then no move leads out of an unnamed state
+    if not any(move.source == "*" for move in moves):  # in this case no move leads out of an unnamed state
         ordered.sort(key=lambda key: key in unnamed)
     outline = Outline(
         path,
@@ -223,7 +222,7 @@ def _without_moves(path: str, body: Mapping[str, Any]) -> TypeError:
 
 
 def _events_within(body: Mapping[str, Any]) -> set[str]:
-    """The events that the moves of a class name, and those within it which are not members of the class they are in."""
+    """Return the events named by the moves of a class, and by its inner classes if those do not define them."""
     given = body.get("moves", ())
     lines = given.split("\n") if isinstance(given, str) else given
     found = {match[3] for line in lines if (match := _MOVE.fullmatch(line.split("#")[0].strip())) and match[3]}
@@ -235,7 +234,7 @@ def _events_within(body: Mapping[str, Any]) -> set[str]:
 
 
 def _is_state(name: str, value: Any, events: set[str]) -> bool:
-    """Whether a member of a class is a state that no move needs to name."""
+    """Return True if a member of a class is a state even if no move names it."""
     if name.startswith("_") or name in ACTIONS or name in events:
         return False
     value = _plain(value)
@@ -248,12 +247,12 @@ def _is_state(name: str, value: Any, events: set[str]) -> bool:
 
 
 def _is_value(name: str, value: Any) -> bool:
-    """Whether a member of a class is a variable of it, with its initial value."""
+    """Return True if a member of a class is a variable with its initial value."""
     return not name.startswith("_") and name != "moves" and isinstance(value, _VALUES)
 
 
 def _is_lambda(name: str, value: Any) -> bool:
-    """Whether a member of a class is a function without a name of its own."""
+    """Return True if a member of a class is a lambda."""
     value = _plain(value)
     return (
         not name.startswith("_")
@@ -272,13 +271,13 @@ def _move(line: str, path: str) -> Move:
 
 
 def _check(outline: Outline, move: Move) -> None:
-    """TypeError unless the event of a move is there."""
+    """Raise TypeError if the event of a move is missing or cannot be an event."""
     if move.event == DONE:
-        says = f"{move}: {DONE} says that the machines in a state have ended"
+        says = f"{move}: {DONE} means that the machines in a state have ended"
         if any(DONE in scope for scope in outline.scopes[:-1]):
             raise TypeError(f"{says}; give your event another name")
         if move.source != "*" and not outline.states[move.source].machines:
-            raise TypeError(f"{says}; {move.source} has none")
+            raise TypeError(f"{says}; {move.source} has no machines")
         return
     if move.event is None:
         return
@@ -294,10 +293,10 @@ def _check(outline: Outline, move: Move) -> None:
 
 
 def _body(cls: type) -> Mapping[str, Any]:
-    """The members of a class, those that it inherits first, as they are now."""
+    """Return a live view of the members of a class, including inherited members."""
     if cls.__bases__ == (object,):
-        return vars(cls)  # found faster, at each step
-    return ChainMap(*(vars(base) for base in cls.__mro__[:-1]))  # type: ignore[arg-type]  # nobody writes to it
+        return vars(cls)  # a faster lookup at each step
+    return ChainMap(*(vars(base) for base in cls.__mro__[:-1]))  # type: ignore[arg-type]  # it is only read
 
 
 def _plain(value: Any) -> Any:

@@ -12,21 +12,21 @@ from .robot import GIVEN, ODOMETRY
 
 
 def program_name(function: Callable[..., Any]) -> str:
-    """The name of a program: that of its function, or of the class of an object that is called."""
+    """Return the name of a program: the name of its function, or the class of its callable object."""
     function = getattr(function, "func", function)  # a functools.partial has the function in `func`
     return str(getattr(function, "name", "") or getattr(function, "__name__", type(function).__name__))
 
 
 def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, str]) -> tuple[str, ...]:
-    """The names of the parameters of a function that a program fills.
+    """Return the names of the parameters of a function that a program fills.
 
     Args:
         function: the function, or an object that lists them as ``asks_for``.
-        name: its name, for errors.
-        topics: the topics that were named for parameters.
+        name: the name of the function, for errors.
+        topics: by parameter, the topics that the user named.
 
     Raises:
-        TypeError: no function, a parameter of an unknown name, or a topic for a parameter that is not there.
+        TypeError: not a function, a parameter with an unknown name, or a topic for a parameter that does not exist.
     """
     if not callable(function) or isinstance(function, type):
         raise TypeError(f"program: expected a function that returns a Drive, got {function!r}")
@@ -49,7 +49,7 @@ def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, 
 
 
 def asked_by(function: Callable[..., Any], name: str, known: tuple[str, ...]) -> list[str]:
-    """The parameters of a function that are known, or have no default."""
+    """Return the parameters of a function that are known or have no default."""
     if hasattr(function, "asks_for"):
         return list(function.asks_for)
     asked = []

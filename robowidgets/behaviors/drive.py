@@ -10,15 +10,15 @@ from ..samples.checks import finite
 
 @dataclass(frozen=True)
 class Drive:
-    """A speed, for a robot that moves in the plane.
+    """The speed of a robot that moves in the plane.
 
     Args:
         linear: forward, m/s.
         angular: counter-clockwise, rad/s.
-        lateral: to the left, m/s, for a robot that moves sideways.
+        lateral: to the left, m/s, for a robot that can move sideways.
 
     Raises:
-        TypeError: no number. ValueError: NaN or infinite.
+        TypeError: not a number. ValueError: NaN or infinite.
 
     Examples:
         >>> Drive(0.2)
@@ -55,11 +55,11 @@ class NoDriveError(TypeError):
         self.result = result
 
 
-NoDriveError.__name__ = "TypeError"  # as a user reads it
+NoDriveError.__name__ = "TypeError"  # the name that users see
 
 
 def drive_of(result: Any, before: Drive) -> Drive:
-    """The speed that a step returned; None keeps the one before."""
+    """Return the speed that a step returned, or the previous speed for None."""
     if result is None:
         return before
     if not isinstance(result, Drive):

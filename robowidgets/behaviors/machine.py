@@ -1,9 +1,10 @@
-"""State machines: programs whose behaviour depends on the state that they are in.
+"""State machines: programs whose behaviour depends on their active state.
 
-Not built on `python-statemachine`: with release 3.2, this and `_outline.py` had 594 lines in place of 536, and a step
-of three levels took 0.12 ms in place of 0.03. It would enter and leave states. The rest stays here in any case:
-events judged from the outermost machine inwards, times, the lists of moves and spans. So do the active states,
-because it takes back a move whose entry raises, and has no way on from an active state that is gone.
+They do not use `python-statemachine`: with release 3.2, this module and `_outline.py` had 594 lines instead of 536, and
+a step of three levels took 0.12 ms instead of 0.03 ms. The library would only enter and leave states. Everything else
+would stay here: judging events from the outermost machine inwards, time-outs, and the lists of moves and spans. The
+active states would stay here, too, because the library undoes a move if an entry action raises, and cannot continue
+from an active state that a new version has removed.
 """
 
 from __future__ import annotations
@@ -29,24 +30,24 @@ from .drive import Drive
 from .robot import DRIVEN, GIVEN, ODOMETRY, TURNED
 
 ROUNDS = 20
-"""Moves at once in one step, after which they are taken to go round for ever."""
+"""The number of moves at once in one step from which they count as an endless loop."""
 
 KEPT = 100
-"""Moves that are kept in `Machine.fired`, and spans of states beside them."""
+"""The number of moves in `Machine.fired`, and of the latest spans of states."""
 
 TURNS = 5
-"""Steps one after the other in which two moves take turns, after which the machine says so."""
+"""The number of consecutive steps in which two moves undo each other, from which the machine reports it."""
 
 SINCE = "since"
 BY_HAND = "by hand"
-"""Why a machine is in a state that a person chose."""
+"""The reason of a move to a state that the user chose."""
 
 
 class Fired(NamedTuple):
-    """A move that was made: seconds, the machine, both states, and why.
+    """A move that was made: its time in seconds, the machine, both states, and the reason.
 
-    ``event`` is the name of its event, empty for other moves. ``text`` says what its event compared, and ``nearest`` is
-    the nearest ray that it looked at, where it looked at any.
+    ``event`` is the name of its event, empty for other moves. ``text`` shows what the event compared. ``nearest`` is
+    the nearest ray that the event looked at, or None if it looked at no rays.
     """
 
     time: float
@@ -60,14 +61,14 @@ class Fired(NamedTuple):
 
 
 class EventVerdict(NamedTuple):
-    """What an event said: whether it holds, None for unknown, and what it looked at; None for `done`."""
+    """The result of an event: True, False or None for unknown, and the values that it read (None for `done`)."""
 
     value: bool | None
     saw: Verdict | Trace | None = None
 
     @property
     def text(self) -> str:
-        """What was compared, such as ``"0.43 < 0.55 m"``; formatted only where somebody asks."""
+        """The comparison, such as ``"0.43 < 0.55 m"``. It is formatted on access."""
         return self.saw.text if self.saw is not None else ""
 
     @property
@@ -77,11 +78,11 @@ class EventVerdict(NamedTuple):
 
 
 class MachineStep(NamedTuple):
-    """What there is to know of a machine after a step; it does not change any more.
+    """An immutable record of a machine after a step.
 
-    ``states`` has, by path of a machine, its active state and the time at which it was entered. ``judged`` has what
-    the events said in this step, by path and name, and ``seconds`` what time-outs last, by path and their text.
-    ``left`` has the last states that were left, the first to be left first.
+    ``states`` maps the path of a machine to its active state and the time when it was entered. ``judged`` maps the path
+    of a machine and an event to the result of the event in this step. ``seconds`` maps the path of a machine and the
+    text of a time-out to its seconds. ``left`` contains the last states that were left, oldest first.
     """
 
     time: float = 0.0
@@ -93,7 +94,7 @@ class MachineStep(NamedTuple):
 
 
 class MachineProgress(NamedTuple):
-    """How far a machine has come: what a version that goes on from there needs."""
+    """The progress of a machine that its next version takes over."""
 
     states: dict[str, tuple[str, float]]
     fired: deque[Fired]
@@ -103,19 +104,21 @@ class MachineProgress(NamedTuple):
 
 
 class Machine:
-    """A state machine, as the function of a program: each step judges events, moves, and runs the active states.
+    """A state machine, used as the function of a program: each step judges events, moves, and runs the active states.
 
-    A class describes it. Its ``moves`` name states and events, which are members of the class. A state is a function,
-    which runs at each step while it is active; a class with ``entry``, ``running``, ``exit``, or a machine of its own;
-    or None. A class without moves runs the machines in it side by side. An event is a function that returns True or
-    False, or a condition of `robowidgets.conditions`; it may also be a member of a class around, or stand in the
-    notebook, where it may be redefined. The event ``done`` is true when the machines in a state have come to an end.
+    A class describes the machine. Its ``moves`` name states and events, which are members of the class. A state is a
+    function that runs at each step while the state is active, a class with ``entry``, ``running`` and ``exit``, a class
+    with an inner machine, or None. A class without moves runs its inner machines in parallel. An event is a function
+    that returns True or False, or a condition of `robowidgets.conditions`. It may also be a member of an enclosing
+    class, or a name in the notebook, where the user may redefine it. The event ``done`` is true when the machines in a
+    state have ended.
 
-    Per step, each machine makes one move on an event or after a time, of an outer machine before those within, and
-    after it those at once. Functions take the parameters of a program, and ``since``, the seconds in their state, from
-    whose beginning on ``driven`` and ``turned`` count, too. The last `Drive` that one of them returns is the speed;
-    without one the speed stays. A value in a class, such as ``aligned = False``, is put into the program's ``state``
-    each time that the machine or the state of that class is entered; one that is True or False may be an event.
+    Per step, each machine makes one move on an event or after a time, and then its moves at once. Outer machines move
+    before inner machines. Functions take the parameters of a program, and ``since``: the seconds since their state was
+    entered. ``driven`` and ``turned`` count from that time, too. The last `Drive` that a function returns is the speed;
+    without a `Drive`, the speed stays the same. A value in a class, such as ``aligned = False``, is written to the
+    program's ``state`` each time the machine or the state of that class is entered. A value that is True or False may
+    be an event.
 
     Args:
         cls: the class.
@@ -123,16 +126,17 @@ class Machine:
     Attributes:
         cls: the class.
         fired: the last moves, oldest first.
-        last_step: what the last step left, for other threads; at first, what the version before left.
-        before: the version whose states are taken over at the first step, and which may still make moves until then.
-        note: what a new version could not keep, and what no move names; empty if there is nothing to say.
-        turns: which two moves take turns at every step now; empty if none do.
+        last_step: the record of the last step, for other threads; before the first step, the record of the previous
+            version.
+        before: the previous version, whose states are taken over at the first step. It may still make moves until then.
+        note: notes on what a new version could not keep, and on what no move names; empty without notes.
+        turns: a note on two moves that undo each other at every step; empty otherwise.
         current: the function that runs now, or ran last.
-        at: the path of the state to which it belongs.
-        asking: by what it asks for, which of its functions does.
+        at: the path of the state of that function.
+        asking: maps each parameter to a function that asks for it.
 
     Raises:
-        TypeError, ValueError: the class describes no machine; the text says why.
+        TypeError, ValueError: the class does not describe a machine; the text says why.
 
     Examples:
         >>> class Escapement:
@@ -157,17 +161,17 @@ class Machine:
         self.asking = _asked_for(self.root)
         self.asks_for = list(self.asking)
         self._states: dict[str, tuple[str, float]] = {}
-        """By path of a machine: its active state, and the time at which it was entered."""
+        """By path of a machine: its active state, and the time when that was entered."""
         self._marks: dict[str, tuple[float, float]] = {}
         """By path of a machine: metres driven and radians turned when that state was entered."""
         self._odometer = 0.0, 0.0
         self._chosen: tuple[tuple[Outline, str], ...] = ()
-        """The states that a person chose, outer ones first, until the next step."""
+        """The states that the user chose for the next step, outermost first."""
         self._steps = 0
         self._last_moves: dict[str, tuple[int, tuple[str, str], int]] = {}
-        """By path of a machine: the step of its last move on an event, its states, and how often it undid the last."""
+        """By path of a machine: the step and the states of its last move on an event, and the count of undone moves."""
         self._is_whole = False
-        """Whether the active states are known down to the leaves: not at first, nor after an error."""
+        """True if the active states are known down to the innermost: neither at first nor after an error."""
         self._is_new = True
         self.before: Machine | None = None
         self._values: dict[str, Any] = {}
@@ -177,7 +181,7 @@ class Machine:
 
     @property
     def active(self) -> tuple[str, ...]:
-        """The paths of the active states below the root, outer ones first."""
+        """The paths of the active states below the root, outermost first."""
         if self.before is not None:
             return self.before.active
         start = len(self.root.path) + 1
@@ -185,30 +189,32 @@ class Machine:
 
     @property
     def active_text(self) -> str:
-        """The active states as the picture writes them: inner ones behind outer ones, ``avoid › turn + look``."""
+        """The active states as in the picture, inner states after outer states: ``avoid › turn + look``."""
         return self.before.active_text if self.before is not None else self._text_of(self.root)
 
     def describe(self) -> list[dict[str, Any]]:
-        """Its machines, with their states and moves, as plain values."""
+        """Return the machines with their states and moves, as plain values."""
         return [described(machine) for machine in self.root.machines]
 
     def adopt(self, before: Machine) -> None:
-        """Go on in the states of another version that still exist; where one is gone, in the initial state."""
+        """Continue in the states of another version, or in the initial state if a state no longer exists."""
         self.before, self.last_step = before, before.last_step
 
     def hand_on(self) -> MachineProgress:
-        """How far it has come, for a version that goes on from here."""
+        """Return the progress of the machine, for its next version."""
         return MachineProgress(dict(self._states), self.fired, self._left, dict(self._marks), self._is_new)
 
     def fresh(self) -> Machine:
-        """The machine of the same class, in its initial state."""
+        """Return a new machine of the same class, in its initial state."""
         return Machine(self.cls)
 
     def go_to(self, path: str) -> None:
-        """Go to a state at the next step, named as in `active`, ``"avoid.turn"``, or the picture: ``"avoid › turn"``.
+        """Go to a state at the next step.
+
+        The state is named as in `active`, ``"avoid.turn"``, or as in the picture, ``"avoid › turn"``.
 
         Raises:
-            ValueError: there is no such state.
+            ValueError: the machine has no such state.
         """
         wanted, start = path.replace(" › ", ".").removeprefix(f"{self.root.path}."), len(self.root.path) + 1
         ways = {node.path[start:]: way for way, node in _ways_to_states(self.root)}
@@ -217,7 +223,7 @@ class Machine:
         self._chosen = ways[wanted]
 
     def __call__(self, **values: Any) -> Drive | None:
-        """Make a step; returns the speed, None to keep it."""
+        """Make a step. Return the new speed, or None to keep the speed."""
         self._values, self._drive = values, None
         self._judged, self._seconds = {}, {}
         now: float = values["time"]
@@ -225,14 +231,14 @@ class Machine:
         self._steps += 1
         if self.before is not None:
             before, self.before = self.before, None
-            while before.before is not None:  # a version that made no step has no states of its own
+            while before.before is not None:  # a version that made no step has no states
                 before = before.before
             self._states, self.fired, self._left, self._marks, self._is_new = before.hand_on()
             for node in (self.root, *(node for node, _ in self._active_nodes(self.root))):
                 self._set_values(node, anew=False)
         try:
             self._make_step(now)
-        finally:  # after an error the states in which it came are shown
+        finally:  # after an error, widgets show the states in which it occurred
             self.last_step = MachineStep(
                 now, dict(self._states), self._judged, self._seconds, tuple(self.fired), tuple(self._left)
             )
@@ -260,13 +266,13 @@ class Machine:
         self._look_for_turns()
 
     def _set_values(self, node: Node, *, anew: bool = True) -> None:
-        """Give the variables of a class their initial values; or only those that have no value yet."""
+        """Set the variables of a class to their initial values, or only the variables that have no value yet."""
         for name, value in node.values.items():
             if anew or name not in self._values["state"]:
                 self._values["state"][name] = deepcopy(value)
 
     def _note_move(self, machine: Outline, source: str, move: Move) -> None:
-        """Note a move on an event, to find two that take turns at every step."""
+        """Record a move on an event, to find two moves that undo each other at every step."""
         step, before, count = self._last_moves.get(machine.path, (0, ("", ""), 0))
         undoes = step == self._steps - 1 and before == (move.target, source)
         self._last_moves[machine.path] = self._steps, (source, move.target), count + 1 if undoes else 0
@@ -313,7 +319,7 @@ class Machine:
                 self._resume(machine.states[known[0]], now)
 
     def _forget_gone(self, now: float) -> None:
-        """Forget the states of machines that are gone."""
+        """Forget the states of machines that no longer exist."""
         nodes = (self.root, *(node for node, _ in self._active_nodes(self.root)))
         for path in self._states.keys() - {machine.path for node in nodes for machine in node.machines}:
             self._note_left(path, now)
@@ -345,7 +351,7 @@ class Machine:
         raise RuntimeError(f"the moves of {machine.path} go round at once, last {move}")
 
     def _find_move(self, machine: Outline, name: str, since: float) -> Move | None:
-        """The first move that a machine can make now. All events are judged, so that all may be shown."""
+        """Return the first move that the machine can make now. All events are judged, so that widgets can show them."""
         found = None
         for move in machine.moves:
             if move.source == name or (move.source == "*" and move.target != name):
@@ -377,7 +383,7 @@ class Machine:
         trace = Trace()
         result = self._call(event, since, owner, trace.named)
         if isinstance(result, (bool, np.bool_)) or result is None:
-            # True moves the machine, whatever it rests on. A False of unknown distances is shown as unknown.
+            # True moves the machine in any case. A False that depends on unknown distances is shown as unknown.
             return EventVerdict(bool(result) or trace.value(result), trace)
         raise TypeError(f"the event {name} returned {result!r}: expected True or False")
 
@@ -440,10 +446,10 @@ class Machine:
         owner: str,
         wrap: Callable[[str, Any], Any] = lambda _, value: value,
     ) -> Any:
-        """Call a function of the user with what it asks for.
+        """Call a function of the user with the values that it asks for.
 
-        ``owner`` is the path of the machine to whose active state it belongs, empty for the root. ``wrap`` makes what
-        it is given, of a name and a value.
+        ``owner`` is the path of the machine whose active state has the function, empty for the root. ``wrap`` turns the
+        name and the value of a parameter into the argument.
         """
         self.current = function
         began, now = self._marks.get(owner, (0.0, 0.0)), self._odometer
@@ -452,7 +458,7 @@ class Machine:
         return function(**{name: wrap(name, value) for name, value in given.items()})
 
     def _given(self, asked: Iterable[str], name: str) -> dict[str, Any]:
-        """The values that a function or a condition asks for; TypeError if it was redefined, and asks for others."""
+        """Return the values that a function or a condition asks for; TypeError if a redefinition asks for new ones."""
         try:
             return {one: self._values[one] for one in asked}
         except KeyError as missing:
@@ -472,7 +478,7 @@ def _parameters(function: Callable[..., Any]) -> tuple[str, ...]:
 def _ways_to_states(
     node: Node, way: tuple[tuple[Outline, str], ...] = ()
 ) -> Iterator[tuple[tuple[tuple[Outline, str], ...], Node]]:
-    """All states below one, each with the states to choose on the way to it, outer ones first."""
+    """Yield all states below a state, each with the states on the way to it, outermost first."""
     for machine in node.machines:
         for name, state in machine.states.items():
             yield (*way, (machine, name)), state
@@ -480,7 +486,7 @@ def _ways_to_states(
 
 
 def _asked_for(root: Node) -> dict[str, str]:
-    """What the functions of a machine ask for, by name, with one that does; and what its moves need."""
+    """Map each parameter that the functions and moves of a machine need to a function that asks for it."""
     asked = dict.fromkeys(("time", "variables"), root.path)
     machines = [machine for node in root.nodes() for machine in node.machines]
     unnamed = {f"{machine.path}.{name}" for machine in machines for name in machine.unnamed}

@@ -1,4 +1,4 @@
-"""How far a robot has driven and turned, by its odometry."""
+"""The distance and the angle that a robot has driven and turned, from its odometry."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from ..samples import Pose
 
 
 class Odometer:
-    """Adds up poses of odometry.
+    """A sum of the movements between poses of odometry.
 
     Attributes:
-        pose: the newest one; None before the first.
-        driven: metres of the way, whichever way the robot looks.
-        turned: radians, counter-clockwise; beyond a full turn, too.
+        pose: the newest pose, or None before the first.
+        driven: the length of the path in metres, also for driving backward or sideways.
+        turned: radians, counter-clockwise; may exceed a full turn.
     """
 
     def __init__(self) -> None:
@@ -21,7 +21,7 @@ class Odometer:
         self.driven = self.turned = 0.0
 
     def add(self, pose: Pose) -> None:
-        """Note the next pose; one that is no number is left out."""
+        """Add the next pose. A pose that is not finite is ignored."""
         if not all(map(isfinite, pose)):
             return
         if self.pose is not None:
@@ -30,5 +30,5 @@ class Odometer:
         self.pose = pose
 
     def leave_out(self) -> None:
-        """Count nothing from the newest pose to the next, which another topic may give."""
+        """Ignore the movement from the newest pose to the next pose, which may come from another topic."""
         self.pose = None

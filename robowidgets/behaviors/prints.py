@@ -1,14 +1,14 @@
-"""What the threads of programs print."""
+"""The printed lines of programs."""
 
 from __future__ import annotations
 
 from collections import deque
 
 KEPT = 3
-"""Lines that are kept."""
+"""The number of lines to keep."""
 
 LONGEST = 200
-"""Characters of a line that are kept."""
+"""The number of characters of a line to keep."""
 
 
 class Prints:
@@ -23,12 +23,12 @@ class Prints:
         self._rest = ""
 
     def add(self, text: str, seconds: float) -> None:
-        """Add printed text, of which only whole lines are kept."""
+        """Add printed text. A line counts once it is complete."""
         *whole, rest = (self._rest + text).split("\n")
         self._rest = rest[:LONGEST]
         self.lines.extend((seconds, line[:LONGEST]) for line in whole)
 
     def end_line(self, seconds: float) -> None:
-        """Keep what was printed of a line that has no end yet."""
+        """Add the printed part of a line that has no end yet."""
         if self._rest:
             self.add("\n", seconds)

@@ -36,10 +36,10 @@ from .version import Version
 log = logging.getLogger("robowidgets")
 
 HELD = 1.0
-"""Seconds without any look, in which the process worked, after which a step counts as one that held the GIL."""
+"""Seconds without a check by the monitor, in a process that worked, after which a step counts as holding the GIL."""
 
 WORKS = 0.05
-"""Seconds of processor time per second by which a process works whose threads wait for the GIL."""
+"""Seconds of processor time per second from which a process counts as working although its threads wait for the GIL."""
 
 PATIENCE = 1.0
 """Seconds after which the log says why a program does not drive."""
@@ -50,40 +50,40 @@ RUNNING, PAUSED, FAILED, ENDED = "running", "paused", "failed", "ended"
 class Program(Observed):
     """A program of a robot: its versions, its state, and the thread that calls it step by step.
 
-    `robowidgets.feeds.Feed.program` makes it. It may be called like its function.
+    `robowidgets.feeds.Feed.program` returns it. It may be called like its function.
 
     - An exception stops the robot; the program waits for its next version, or for `run`.
     - A step that does not return for half a second is abandoned: the robot is stopped, and that step cannot drive any
       more. The next version runs in another thread.
-    - So is a step that held the GIL for a second or longer: then it could not be abandoned, and only a guard could send
-      zero.
-    - Its time counts while it can make steps: not while it is paused, waits, or the process stands still.
-    - The speed of a version that was replaced while it was at work is not sent.
+    - A step that held the GIL for a second or longer fails, too. It could not be abandoned in that time, and only a
+      guard could send zero.
+    - Its time counts while it can make steps, but not while it is paused or waits, or while the process is suspended.
+    - If a version is replaced during a step, the speed of that step is not sent.
 
-    A runner calls the steps, and looks at them; see `robowidgets._core.policies`. Whatever takes a step its right to
-    drive, stops the robot after that, never before: a step that was detached cannot drive on.
+    A runner calls and monitors the steps; see `robowidgets._core.policies`. The robot is always stopped after a step
+    has lost its right to drive, never before, so that an abandoned step cannot drive on.
 
     Args:
         name: its name.
         robot: the robot that it drives.
         variables: the variables of the robot.
-        scheduler: has the threads, and the time.
+        scheduler: provides the threads and the clock.
 
     Attributes:
-        state: what it keeps from step to step and from version to version.
+        state: the values that it keeps from step to step and from version to version.
         version: the version in force.
         mode: ``running``, ``paused``, ``failed`` or ``ended``.
-        error: the last error, with its line; empty when the last step was well.
+        error: the last error, with its line; empty if the last step succeeded.
         waiting: why it does not step or drive now, though it runs; empty if it does.
-        note: what happened to it last, other than errors, for a person.
+        note: the last event other than an error, as text for the user.
         steps: the number of steps.
-        got: what the last step got, by parameter, without time, state and variables.
-        step_time: seconds that the last step took.
+        got: the samples of the last step, by parameter, without time, state and variables.
+        step_time: the duration of the last step in seconds.
         returned: the speed that the last step asked for.
-        kept: whether the last step returned None, which keeps the speed.
+        kept: True if the last step returned None, which keeps the speed.
         prints: the last lines that it printed.
-        clock: the seconds that its steps count, from the first one on.
-        context: that of the cell which defined it last: so what it prints and logs appears below that cell.
+        clock: the time of its steps in seconds, from the first step on.
+        context: the context of the cell that defined it last, so that its prints and logs appear below that cell.
     """
 
     def __init__(self, name: str, robot: DrivenRobot, variables: Variables, scheduler: Scheduler = threads) -> None:
@@ -95,9 +95,9 @@ class Program(Observed):
         self.got: dict[str, Any] = {}
         self.prints = Prints()
         self.keeps = False
-        """Whether, after its end, another run of its cell goes on with its `state` and its time."""
+        """True if another run of its cell continues with its `state` and its time after its end."""
         self.has_view = False
-        """Whether a widget shows what it prints."""
+        """True while a widget shows its prints."""
         self._robot = robot
         self._lock = threading.RLock()
         self._now = scheduler.clock.now
@@ -112,15 +112,15 @@ class Program(Observed):
         )
         self._inputs = robot.listen(self._wake)
         self._once = False
-        """Whether it is to make a single step."""
+        """True while it is to make a single step."""
         self._fresh = False
-        """Whether a message of the topic ``on`` came since the last step."""
+        """True if a message of the topic ``on`` came since the last step."""
         self.clock = StepClock(self._now)
         self._began: dict[str, float] = {}
-        """What odometry said at the first step, for metres and radians since then."""
+        """The metres and radians of odometry at the first step, to count from."""
         self._since = self._now()
         self._due = 0.0
-        """The time of the next step; of a program on a topic, that at which it says that no message comes."""
+        """The time of the next step. A program on a topic reports at this time that no message has come."""
         self._steps_a_second = self._waiting_since = 0.0
         self._rate = RateMeter()
         self._log = LogOnce(partial(self._say, log.warning))
@@ -139,23 +139,23 @@ class Program(Observed):
 
     @property
     def rate(self) -> float:
-        """Steps a second, measured."""
+        """The measured steps per second."""
         return 0.0 if isnan(self._steps_a_second) or not self._runner.is_at_work else self._steps_a_second
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """The topics that it gets, and the one that it steps on."""
+        """The topics of its samples, and the topic ``on``."""
         return self._inputs.topics
 
     @property
     def since(self) -> float:
-        """Seconds since this version is in force."""
+        """Seconds since this version took effect."""
         return self._now() - self._since
 
-    # -- what a person asks for ----------------------------------------------------------------------------------------
+    # -- requests of the user ------------------------------------------------------------------------------------------
 
     def replace(self, version: Version) -> None:
-        """Run another version, from the next step on."""
+        """Run another version from the next step on."""
         before, asked = self.version, (version.asks_for, version.topics, version.on)
         if before.number == 0 or asked != (before.asks_for, before.topics, before.on):
             wanted = {name: version.topics.get(name) for name in version.asks_for if name not in GIVEN}
@@ -172,7 +172,7 @@ class Program(Observed):
         self._call_observers()
 
     def run(self) -> None:
-        """Go on, after a pause or an error."""
+        """Continue after a pause or an error."""
         with self._lock:
             if not self._runner.is_at_work and self.mode != ENDED:
                 self.error = self.note = ""
@@ -180,7 +180,7 @@ class Program(Observed):
         self._call_observers()
 
     def restart(self) -> None:
-        """Start it anew: with an empty `state`, at time 0, and a state machine in its initial state.
+        """Start again with an empty `state`, at time 0, and with a state machine in its initial state.
 
         Raises:
             RuntimeError: it has ended.
@@ -197,26 +197,26 @@ class Program(Observed):
         self._call_observers()
 
     def go_to(self, state: str) -> None:
-        """Have its state machine go to a state at the next step, named as in `Machine.active`: ``"avoid.turn"``.
+        """Move its state machine to a state at the next step, named as in `Machine.active`: ``"avoid.turn"``.
 
         Raises:
-            TypeError: it is no state machine. ValueError: it has no such state. RuntimeError: it has ended.
+            TypeError: it is not a state machine. ValueError: it has no such state. RuntimeError: it has ended.
         """
         self._check_not_ended()
         function = self.version.function
         if not hasattr(function, "go_to"):
-            raise TypeError(f"{self.name} is no state machine, and has no state {state!r} to go to")
+            raise TypeError(f"{self.name} is not a state machine and has no state {state!r} to go to")
         function.go_to(state)
         if self.mode != RUNNING:
             self.note = f"goes to {spelled(state)} at its next step"
         self._call_observers()
 
     def pause(self, note: str = "") -> None:
-        """Make no more steps, and stop the robot."""
+        """Stop making steps, and stop the robot."""
         self._end(PAUSED, note)
 
     def step(self) -> None:
-        """Make one step, while it is paused; its speed holds for the hold of the robot, at most."""
+        """Make one step while paused. Its speed lasts at most for the hold time of the robot."""
         with self._lock:
             if not self._runner.is_at_work and self.mode != ENDED:
                 self.error = self.note = ""
@@ -224,7 +224,7 @@ class Program(Observed):
         self._call_observers()
 
     def close(self, note: str = "", *, keeps: bool = False) -> None:
-        """End it, stop the robot, and forget its `state`, unless ``keeps`` it for the next run of its cell."""
+        """End it and stop the robot. ``keeps`` saves its `state` for the next run of its cell, else it is forgotten."""
         self._end(ENDED, note)
         self._inputs.close()
         self.keeps = keeps
@@ -232,7 +232,7 @@ class Program(Observed):
             self.state = ProgramState()
 
     def interrupt(self) -> None:
-        """Stop the robot now, and pause in a moment. For a signal handler: it takes no lock of the program."""
+        """Stop the robot now, and pause in a moment. Safe in a signal handler: it takes no lock of the program."""
         if self._runner.interrupt():
             self._robot.halt()
 
@@ -257,11 +257,11 @@ class Program(Observed):
         self.mode = PAUSED if once else RUNNING
 
     def _detach(self) -> None:
-        """Make no more steps: one that is under way may finish, but not drive. Called with the lock held."""
+        """Stop making steps. A step under way may finish, but not drive. Called with the lock held."""
         self._runner.detach(even_if_current=True)
 
     def _end(self, mode: str, note: str = "", error: str = "", run: object = None) -> bool:
-        """Make no more steps, and then stop the robot; returns False where it has ended, or this run of it is over."""
+        """Stop making steps, then stop the robot. Return False if the program or this run has already ended."""
         with self._lock:
             if self.mode == ENDED or run not in (None, self._runner.run):
                 return False
@@ -275,7 +275,7 @@ class Program(Observed):
         return True
 
     def _turn(self, call: Call) -> float:
-        """Make a step if one is due; returns when to do this again. In a thread of the runner."""
+        """Make a step if it is due. Return the time of the next call. Runs in a thread of the runner."""
         run = self._runner.run
         with self._lock:
             version, now = self.version, self._now()
@@ -289,7 +289,7 @@ class Program(Observed):
         values, error, _ = call(self._prepare, version, is_silent, of=self)
         if isinstance(error, NotReadyError):
             self._hold_back(str(error), run)
-        elif error is not None:  # of ours: no thread may end without a word
+        elif error is not None:  # an error of robowidgets, which must not end the thread silently
             self._fail(f"{type(error).__name__}: {error}", error, run)
         elif values is not None:
             self._step(call, version, values, run)
@@ -308,7 +308,7 @@ class Program(Observed):
         return due
 
     def _prepare(self, version: Version, is_silent: bool) -> dict[str, Any] | None:
-        """The arguments of a step, which begins now. NotReadyError where none can be made."""
+        """Start the clock and return the arguments of a step; NotReadyError if no step can be made."""
         if self._robot.is_stopped():
             raise NotReadyError("stop is latched")
         if is_silent and version.on is not None:
@@ -319,11 +319,11 @@ class Program(Observed):
                 values[name] -= self._began.setdefault(name, values[name])
         values.update(time=self.clock.start(), state=self.state, variables=self.variables)
         if not values.keys() >= {*version.asks_for}:
-            return None  # the next version has chosen other samples, and is in force in a moment
+            return None  # the next version has already chosen other samples, and takes effect in a moment
         return {name: values[name] for name in version.asks_for}
 
     def _hold_back(self, why: str, run: object) -> None:
-        """Make no step now, for a reason, and stop the robot, unless Stop has done so."""
+        """Record why no step can be made now, and stop the robot unless Stop has done so."""
         with self._lock:
             if self._runner.run is not run:
                 return
@@ -334,7 +334,7 @@ class Program(Observed):
         self._set_waiting(why, run)
 
     def _step(self, call: Call, version: Version, values: dict[str, Any], run: object) -> None:
-        """Make a step, and drive."""
+        """Make a step and send its speed."""
         began, worked = time.perf_counter(), time.process_time()
         made, error, unseen = call(self._make, version, values, run, of=self)
         passed, worked = time.perf_counter() - began, time.process_time() - worked
@@ -342,7 +342,7 @@ class Program(Observed):
         if error is not None:
             self._fail(error_in(error), error, run)
             return
-        # Where the process did not work, it was suspended: a step is not to blame, and the next one is due.
+        # A process that did not work was suspended: the step is not to blame, and the next step is due.
         if unseen >= HELD and worked >= WORKS * unseen:
             stopped = "the guard stopped the robot meanwhile" if self._robot.is_guarded() else "zero came late"
             held = (
@@ -359,8 +359,8 @@ class Program(Observed):
             (drive, self.kept), self.error = made, ""
             self.returned = drive
             self._steps_a_second = self._rate.rate(self.steps, self._now())
-        # Without the lock, so that whoever stops the program never waits for the robot. They abandon this thread before
-        # they stop the robot, and the robot refuses an abandoned thread.
+        # Without the lock, so that stopping the program never waits for the robot. A stop abandons this thread and then
+        # stops the robot, and the robot refuses speeds of an abandoned thread.
         refused, error, _ = call(self._robot.drive, drive.linear, drive.angular, drive.lateral, of=self)
         if error is not None:
             self._fail(f"{type(error).__name__}: {error}", error, run)
@@ -371,7 +371,7 @@ class Program(Observed):
         self._call_observers()
 
     def _make(self, version: Version, values: dict[str, Any], run: object) -> tuple[Drive, bool] | None:
-        """Call the function: its speed, and whether it keeps the one before; None where it is not wanted any more."""
+        """Call the function. Return its speed and True if it keeps the previous speed, or None if the run is over."""
         with self._lock:
             if self._runner.run is not run or self.version is not version:
                 return None
@@ -383,10 +383,10 @@ class Program(Observed):
 
     def _fail(self, error: str, raised: BaseException | None, run: object) -> None:
         if self._end(FAILED, error=error, run=run):
-            self._log_error(error, raised)  # after zero, as every log: it may hang
+            self._log_error(error, raised)  # after sending zero, because logging may hang
 
     def _stand_still(self) -> None:
-        """What a step that returns None keeps is a standstill from now on."""
+        """Set the speed that a step keeps by returning None to standstill."""
         self.returned, self.kept = STANDSTILL, False
 
     def _set_waiting(self, why: str, run: object) -> None:
@@ -397,7 +397,7 @@ class Program(Observed):
         self._call_observers()
 
     def _in_cell(self, call: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
-        """Call a function such that what it prints and logs appears below the cell of the program."""
+        """Call a function so that its prints and logs appear below the cell of the program."""
         return self.context.copy().run(call, *args, **kwargs)
 
     def _log_error(self, error: str, raised: BaseException | None) -> None:
@@ -409,11 +409,11 @@ class Program(Observed):
         return self.has_view
 
     def _say(self, write: Callable[[str], object], text: str) -> None:
-        """Write a line below the cell of the program. Not in the thread of the looks, which a log may not hold up."""
+        """Write a line below the cell of the program, in another thread, because a log must not delay the monitor."""
         call_in_thread(partial(self.context.copy().run, write, f"program {self.name}: {text}"))
 
     def _look(self) -> None:
-        """Find a step that is late, an interrupt, and a deleted robot. In the thread of the looks."""
+        """Detect a late step, an interrupt, and a deleted robot. Runs in the thread of the monitor."""
         self.clock.look()
         runner = self._runner
         with self._lock:
@@ -439,5 +439,5 @@ class Program(Observed):
 
 
 def _code_of(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function of the user that runs: of a state machine, one of many."""
+    """Return the user's function that runs now: the current function of a state machine, or the function itself."""
     return getattr(function, "current", function)

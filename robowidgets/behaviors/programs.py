@@ -20,14 +20,14 @@ from .version import RATE, Version, to_rate
 
 
 class Programs(Observed):
-    """The programs of one robot, of which one at a time drives it.
+    """The programs of one robot. Only one of them drives the robot at a time.
 
     Args:
         robot: the robot.
 
     Attributes:
-        variables: values that a person sets while a program runs.
-        current: the program that drives; None before the first one.
+        variables: the values that the user sets while a program runs.
+        current: the program that drives, or None before the first program.
     """
 
     def __init__(self, robot: DrivenRobot) -> None:
@@ -89,12 +89,12 @@ def _interrupt_all() -> None:
 
 
 def _name_running(cell: CellRun) -> list[str]:
-    """Lines on the programs that go on, though their cell ended with an error."""
+    """Return a line for each program that goes on although its cell ended with an error."""
     lines = []
     for program in list(_all):
         version = program.version
         if program.mode == RUNNING and is_same_cell(version.cell, cell):
-            program.context = copy_context()  # what it says appears below this run, which has cleared the one before
+            program.context = copy_context()  # for its output below this run, which has cleared the previous output
             whose = "which this run made before its error" if version.cell == cell else "the one before"
             lines.append(f"the program {program.name} goes on, in version {version.number}, {whose}")
     return lines

@@ -1,4 +1,4 @@
-"""What a program needs of a robot, which a feed gives it."""
+"""The parts of a robot that a program needs. A feed provides them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 GIVEN = ("time", "state", "variables")
-"""The parameters that every program may have, beside samples."""
+"""The parameters that every program may have in addition to samples."""
 
 ODOMETRY = POSE, DRIVEN, TURNED = "pose", "driven", "turned"
-"""The parameters that a program may have where odometry comes: the `Pose`, and metres and radians since it began."""
+"""The parameters for odometry: the `Pose`, and the metres and radians since the program began."""
 
 
 class NotReadyError(Exception):
@@ -21,20 +21,20 @@ class Inputs(Protocol):
     """The newest samples that a program asks for."""
 
     def choose(self, wanted: Mapping[str, str | None], on: str | None) -> None:
-        """Choose the samples, by parameter: of a topic, or, for None, of the topic with that kind of sample.
+        """Choose the topic of each parameter; None stands for the topic with that kind of sample.
 
-        Samples that are there already stay. With ``on``, each message of that topic wakes the program.
+        Samples that have already come stay. With ``on``, each message of that topic wakes the program.
         """
 
     def take(self) -> dict[str, Any]:
-        """The newest samples, by parameter. NotReadyError if one is missing or too old to drive by."""
+        """Return the newest samples, by parameter; NotReadyError if a sample is missing or too old to drive by."""
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """The topics of the chosen samples, as far as they are found, and the one whose messages wake."""
+        """The topics found for the chosen samples, and the topic whose messages wake the program."""
 
     def why_silent(self, on: str) -> str:
-        """Why no message of the topic ``on`` comes."""
+        """Return the reason why no message of the topic ``on`` comes."""
 
     def close(self) -> None:
         """Take no more messages."""
@@ -42,17 +42,17 @@ class Inputs(Protocol):
 
 @dataclass(frozen=True)
 class DrivenRobot:
-    """A robot, as a program sees it. No function waits.
+    """A robot, as a program sees it. Its functions do not block.
 
     Attributes:
-        where: its name, for a person.
-        is_gone: returns whether nothing outside refers to it any more.
-        is_stopped: returns whether stop is latched.
+        where: its name, for messages to the user.
+        is_gone: returns True if nothing outside refers to the robot any more.
+        is_stopped: returns True while stop is latched.
         listen: makes inputs that call a function on each message of the topic ``on``, in the transport's thread.
-        drive: sends a speed, m/s forward, rad/s counter-clockwise and m/s to the left; returns why it was not sent,
-            empty if it was.
-        halt: sends zero at once, if a program drives.
-        is_guarded: returns whether a guard stops the robot while this process cannot.
+        drive: sends a speed in m/s forward, rad/s counter-clockwise and m/s to the left; returns why it was not sent,
+            or an empty text if it was.
+        halt: sends zero at once if a program drives.
+        is_guarded: returns True while a guard can stop the robot when this process cannot.
     """
 
     where: str

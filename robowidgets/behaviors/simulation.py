@@ -1,4 +1,4 @@
-"""Programs on the simulated robot, as fast as it can."""
+"""Programs on the simulated robot, faster than real time."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Step(NamedTuple):
 
 
 def function_of(program: Any) -> Any:
-    """What a program calls at each step; of a state machine a new one, in its initial state."""
+    """Return the function that a program calls at each step: for a state machine, a new one in its initial state."""
     function = program.version.function if isinstance(program, Program) else program
     described = function.cls if isinstance(function, Machine) else function
     return Machine(described) if isinstance(described, type) else described
@@ -39,13 +39,13 @@ class ProgramRun:
 
     Args:
         program: as for `simulate`.
-        variables: the variables of the program; None: its own.
+        variables: the variables of the program, or None for new variables.
 
     Attributes:
-        name: of the program.
-        topics: those that it names, by parameter.
+        name: the name of the program.
+        topics: the topics that it names, by parameter.
         asks_for: its parameters.
-        odometer: takes each pose of the robot.
+        odometer: sums up the poses of the robot.
     """
 
     def __init__(self, program: Any, variables: Variables | None = None) -> None:
@@ -60,19 +60,19 @@ class ProgramRun:
 
     @property
     def active(self) -> tuple[str, ...]:
-        """The active states of a machine; none of a function."""
+        """The active states of a machine; empty for a function."""
         return self._function.active if isinstance(self._function, Machine) else ()
 
     def call(self, values: Mapping[str, Any]) -> Any:
-        """Return what the function returns for some values, and for the state and the variables of this run."""
+        """Return the result of the function for some values, and for the state and the variables of this run."""
         return self._function(**values, **{name: own for name, own in self._own.items() if name in self.asks_for})
 
     def step(self, time: float, samples: Mapping[str, Callable[[], Any]]) -> Drive:
-        """The speed in force after a step.
+        """Make a step, and return the speed in force after it.
 
         Args:
-            time: seconds since it began.
-            samples: by parameter, what returns the newest sample.
+            time: seconds since the program began.
+            samples: by parameter, a function that returns the newest sample.
         """
         odometer = self.odometer
         given = {**self._own, "time": time, POSE: odometer.pose, DRIVEN: odometer.driven, TURNED: odometer.turned}
@@ -90,24 +90,24 @@ def simulate(
     rate: float = RATE,
     variables: Variables | None = None,
 ) -> Iterator[Step]:
-    """Have a program drive a simulated robot in simulated time, for tests of programs.
+    """Drive a simulated robot by a program in simulated time, to test programs.
 
-    Errors of the program are raised. Between two steps the caller may set variables, and look at the robot.
+    Errors of the program are raised. Between two steps the caller may set variables and look at the robot.
 
     Args:
         program: a function or a class, as `robowidgets.feeds.Feed.program` takes it, or the program that it returned,
-            whose topics are read, too.
+            with the topics that it names.
         robot: the robot.
-        seconds: of simulated time.
-        until: a function that ends it sooner, when it returns true.
-        rate: steps a second.
+        seconds: the duration in simulated time.
+        until: a function that ends the run sooner by returning true.
+        rate: steps per second.
         variables: the variables of the program.
 
     Returns:
         An iterator over the steps.
 
     Raises:
-        TypeError, ValueError: as `program` of a feed. ValueError: the robot has no sensor that it asks for.
+        TypeError, ValueError: as `program` of a feed. ValueError: the robot lacks a sensor that the program asks for.
 
     Examples:
         >>> from robowidgets.simulator import Robot, World
@@ -129,7 +129,7 @@ def simulate(
 
 
 def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -> dict[str, Callable[[], Any]]:
-    """By parameter, what returns the newest sample of the simulated robot. ValueError if it has no such sensor."""
+    """Map each parameter to a function that returns its newest sample; ValueError if the robot lacks its sensor."""
     found: dict[str, Callable[[], Any]] = {}
     sent = {
         offer.topic: offer.read for kind in KINDS.values() if kind.simulated for offer in load(kind.simulated)(robot)

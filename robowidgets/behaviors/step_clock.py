@@ -1,4 +1,4 @@
-"""The time of a program: the seconds in which it could make steps."""
+"""The time of a program: the seconds during which it could make steps."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from collections import deque
 from collections.abc import Callable
 
 STALL = 0.5
-"""Seconds between two looks after which the whole process stood still: it was suspended, say, or the computer slept."""
+"""Seconds between two checks after which the process counts as suspended, for example while the computer slept."""
 
 KEPT = 1000
-"""Interruptions that are kept, to know when something was."""
+"""The number of interruptions to remember, to convert times of the past."""
 
 
 class StepClock:
-    """Counts the seconds in which a program can make steps.
+    """A clock that counts the seconds during which a program can make steps.
 
-    It counts from one look to the next while it runs, unless that is longer than `STALL`; so somebody must look
+    While it runs, it adds the time between two checks unless that is longer than `STALL`; so `look` must be called
     several times a second. Any thread may call each method.
 
     Args:
@@ -30,15 +30,15 @@ class StepClock:
         self._seconds, self._looked_at = 0.0, now()
         self._is_running = False
         self._runs: deque[tuple[float, float]] = deque(maxlen=KEPT)
-        """The seconds at which each stretch without interruption began, and the monotonic time that it counts from."""
+        """For each uninterrupted stretch: the seconds at its beginning, and the monotonic time of second 0."""
 
     def look(self) -> float:
-        """The seconds until now."""
+        """Return the seconds until now."""
         with self._lock:
             return self._look()
 
     def start(self) -> float:
-        """Count from now on, if it does not yet; returns the seconds until now."""
+        """Count from now on if it does not yet. Return the seconds until now."""
         with self._lock:
             seconds, self._is_running = self._look(), True
             origin = self._looked_at - seconds
@@ -47,13 +47,13 @@ class StepClock:
             return seconds
 
     def stop(self, more: float = 0.0) -> None:
-        """Count no more until it starts again, except for some seconds more."""
+        """Stop counting until the next start, after adding some seconds."""
         with self._lock:
             self._look()
             self._seconds, self._is_running = self._seconds + more, False
 
     def at(self, seconds: float) -> float:
-        """The monotonic time at which it had counted so many seconds."""
+        """Return the monotonic time when it had counted so many seconds."""
         with self._lock:
             known = (origin for since, origin in reversed(self._runs) if since <= seconds)
             return seconds + next(known, self._looked_at)

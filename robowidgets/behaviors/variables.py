@@ -1,4 +1,4 @@
-"""Values that a program keeps, and values that a person sets while it runs."""
+"""Values that a program keeps, and values that the user sets while it runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..samples.checks import finite, number
 
 
 class ProgramState(dict[str, Any]):
-    """What a program keeps from step to step, and from version to version: a dictionary, also with attributes."""
+    """The values that a program keeps from step to step and from version to version: a dictionary with attributes."""
 
     def __getattr__(self, name: str) -> Any:
         try:
@@ -33,10 +33,10 @@ class ProgramState(dict[str, Any]):
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable: its value, and how the page lets a person set it.
+    """A variable: its value, and how the user sets it on the page.
 
-    ``first`` is the value in the code, ``before`` that of the version before; ``low`` and ``high`` are the ends of a
-    slider, None without one. A ``whole`` number is an integer, and a slider of integers has no others.
+    ``first`` is the value in the code, and ``before`` the value in the previous version. ``low`` and ``high`` are the
+    ends of a slider, or None without a slider. ``whole`` is True for an integer and for a slider of integers.
     """
 
     value: bool | float | str
@@ -49,9 +49,10 @@ class Variable:
 
 
 class Variables(Observed):
-    """The variables of a robot's programs: seen live on the page, and set there by hand while a program runs.
+    """The variables of a robot's programs. The page shows them live, and the user sets them while a program runs.
 
-    Numbers (a distance may be inf or NaN), switches (True and False) and texts. Any thread may read and set them.
+    They are numbers (a distance may be inf or NaN), switches (True and False) and texts. Any thread may read and set
+    them.
 
     Examples:
         >>> variables = Variables()
@@ -71,19 +72,20 @@ class Variables(Observed):
     """The sliders whose first value has changed since the newest version of a program."""
 
     def slider(self, name: str, value: float, low: float, high: float, unit: str = "") -> None:
-        """Declare a number with a slider. Declared again with the same first value, it keeps what was set meanwhile.
+        """Declare a number with a slider.
 
-        Where value, low and high are integers, it has integers alone: write 1.0 for a number with decimals.
+        If it is declared again with the same first value, it keeps the value set in the meantime. If value, low and
+        high are integers, the slider has only integers: write 1.0 for a number with decimals.
 
         Args:
             name: an identifier.
             value: its first value.
-            low: left end of the slider.
-            high: right end.
-            unit: written behind the number.
+            low: the left end of the slider.
+            high: the right end.
+            unit: the unit shown after the number.
 
         Raises:
-            TypeError: no number. ValueError: not low <= value <= high, or no identifier.
+            TypeError: not a number. ValueError: not low <= value <= high, or not an identifier.
         """
         named = (("value", value), ("low", low), ("high", high))
         first, least, most = (finite(key, given, unit or "any unit") for key, given in named)
@@ -98,16 +100,16 @@ class Variables(Observed):
             now = _as(whole, min(max(float(known.value), least), most))
         elif name not in self._edited:
             self._edited.add(name)
-            before = known.value  # that of the version which runs until the end of this cell
+            before = known.value  # the value of the version that runs until the end of this cell
         self._put(name, Variable(now, first, before, least, most, unit, whole))
 
     def set(self, name: str, value: Any) -> None:
-        """Set a variable, as the page does: to a value of its own kind, within the ends of its slider.
+        """Set a variable as the page does: to a value of the same kind, within the ends of its slider.
 
-        A number that is whole stays an integer as long as it is set to one.
+        A whole number stays an integer as long as it is set to an integer.
 
         Raises:
-            KeyError: there is none of that name. TypeError, ValueError: no value for it.
+            KeyError: no variable has that name. TypeError, ValueError: not a possible value of the variable.
         """
         known, checked = self._table[name], _checked(name, value)
         if _KINDS[type(checked)] != _KINDS[type(known.value)]:
@@ -121,7 +123,7 @@ class Variables(Observed):
         self._put(name, replace(known, value=checked))
 
     def begin_version(self) -> None:
-        """Note the values of the version before: those of now, but for sliders that were declared anew for this one."""
+        """Record the present values as `Variable.before`, except for sliders that the new version has changed."""
         for name, known in self.table.items():
             if name not in self._edited:
                 self._table[name] = replace(known, before=known.value)
@@ -129,7 +131,7 @@ class Variables(Observed):
         self._call_observers()
 
     def take_first_values(self) -> None:
-        """Give every variable its first value, as in the code."""
+        """Reset every variable to its first value, as in the code."""
         for name, known in self.table.items():
             self._table[name] = replace(known, value=known.first)
         self._call_observers()
@@ -176,7 +178,7 @@ _KINDS = {bool: "True or False", int: "a number", float: "a number", str: "a tex
 
 
 def _checked(name: str, value: Any) -> bool | float | str:
-    """A value that a variable may have."""
+    """Return a value that a variable may have; TypeError otherwise."""
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if isinstance(value, str):
@@ -193,5 +195,5 @@ def _is_number(value: Any) -> TypeGuard[float]:
 
 
 def _as(whole: bool, value: float) -> float:
-    """A number of a slider, as the integer next to it where it has integers alone."""
+    """Return a number of a slider, rounded if the slider has only integers."""
     return round(value) if whole else value

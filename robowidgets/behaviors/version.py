@@ -10,14 +10,14 @@ from .._core.cells import CellRun
 from ..samples.checks import finite
 
 RATE = 10.0
-"""Steps a second, where a program names neither a rate nor a topic."""
+"""The steps per second of a program that names neither a rate nor a topic."""
 
 FASTEST = 200.0
-"""Steps a second."""
+"""The highest number of steps per second."""
 
 
 def to_rate(value: Any) -> float:
-    """Steps a second; TypeError or ValueError for anything else."""
+    """Return a valid rate in steps per second; TypeError or ValueError for anything else."""
     rate = finite("rate", value, "steps a second")
     if not 0 < rate <= FASTEST:
         raise ValueError(f"rate: expected steps a second, above 0 and at most {FASTEST:g}, got {value!r}")
@@ -28,9 +28,9 @@ def to_rate(value: Any) -> float:
 class Version:
     """One version of a program.
 
-    ``asks_for`` are the parameters of the function, ``topics`` the topics that were named for some of them. It steps
-    ``rate`` times a second, or on each message of the topic ``on``. ``text`` is that of the cell or file it stands in,
-    and ``cell`` the run of a cell that made it.
+    ``asks_for`` are the parameters of the function, and ``topics`` the topics that the user named for some of them. The
+    program steps ``rate`` times a second, or on each message of the topic ``on``. ``text`` is the text of the cell or
+    file of the function, and ``cell`` the run of the cell that made the version.
     """
 
     function: Callable[..., Any]

@@ -1,4 +1,4 @@
-"""The command ``robowidgets``: a tour, a recording in JupyterLab, its topics, and spans in which conditions held."""
+"""The command ``robowidgets``: open the tour, the lessons or a recording, and search, check or convert recordings."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with some arguments.
 
     Returns:
-        0 when it is done; 1 when it could not be done, 2 for ``repair``, after one line on stderr that says why.
-        ``find`` is as grep: 1 when nothing was found, 2 when it could not look. ``doctor`` is as diff: 1 when it found
-        problems, 2 when it could not look. Arguments that make no sense exit with 2.
+        0 on success. On a failure, 1, or 2 for the commands below, after one line on stderr with the reason. ``find``
+        is like grep: 1 if nothing was found, 2 on a failure. ``doctor`` is like diff: 1 if it found problems, 2 on a
+        failure. ``index``, ``repair`` and ``export`` return 2 on a failure. Invalid arguments exit with 2.
     """
     if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
-        # Of a file on Windows, such as that of `> class.txt`, the encoding has not all characters.
+        # On Windows, the encoding of a file, as in `> class.txt`, lacks some characters.
         sys.stdout.reconfigure(errors="replace")
     arguments = _parser().parse_args(readable(sys.argv[1:] if argv is None else argv))
     try:
@@ -122,7 +122,7 @@ def _do_lessons(arguments: argparse.Namespace) -> int:
     if arguments.grade:
         return _lessons.grade(arguments, _say)
     if arguments.user is not None:
-        raise CommandError("--user says as whom the answers run: it goes with --grade")
+        raise CommandError("--user names the user that runs the answers: use it with --grade")
     if arguments.summary:
         return _lessons.print_summary(arguments, _say)
     if arguments.grader:
@@ -132,8 +132,8 @@ def _do_lessons(arguments: argparse.Namespace) -> int:
 
     def copy(folder: Path) -> Path:
         if arguments.language:
-            for there, other in _notebooks.in_others(folder, language):
-                _say(f"{there} is there already in {other!r}, and stays as it is; name another folder for {language!r}")
+            for notebook, other in _notebooks.in_others(folder, language):
+                _say(f"{notebook} exists in {other!r} and stays unchanged; name another folder for {language!r}")
         return _notebooks.copy_shipped(folder, _notebooks.LESSON, language)
 
     _in_lab(copy, arguments, runs_cells=False)
@@ -148,9 +148,9 @@ def _in_lab(make_notebook: Callable[[Path], Path], arguments: argparse.Namespace
         raise NotADirectoryError(f"--folder: {arguments.folder} is a file; name a folder for the notebooks")
     folder.mkdir(parents=True, exist_ok=True)
     notebook = make_notebook(folder)
-    _say(f"Opening {notebook} in JupyterLab. It is yours: it stays there as you save it. Ctrl-C ends JupyterLab.")
+    _say(f"Opening {notebook} in JupyterLab. It is your copy: you can change and save it. Ctrl-C ends JupyterLab.")
     if runs_cells:
-        _say("First its cells are run, so that their widgets are there and live when the page opens ...")
+        _say("Running its cells first, so that their widgets are live when the page opens ...")
     _lab.run(notebook, arguments.port, arguments.browser, _say, runs_cells=runs_cells)
 
 
@@ -158,7 +158,7 @@ def _say(text: str) -> None:
     try:
         print(text, flush=True)
     except BrokenPipeError:
-        # The reader, such as `head`, has ended. Python must not flush the rest to it at exit.
+        # The reader, such as `head`, has ended. Python must not flush the rest at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -182,66 +182,66 @@ def _parser() -> argparse.ArgumentParser:
     show.set_defaults(do=_open_recording)
     lessons = commands.add_parser(
         "lessons",
-        help="open the lessons in JupyterLab, or see how far a class is",
-        description="Open the lessons in JupyterLab, hand them out as assignments, or see how far a class is.",
-        epilog="With --summary it exits with 1 when a file in the folder could not be read.",
+        help="open the lessons in JupyterLab, or show the progress of a class",
+        description="Open the lessons in JupyterLab, write them as assignments, or show the progress of a class.",
+        epilog="With --summary it exits with 1 if a file in the folder could not be read.",
     )
     _lessons.add_lessons(lessons)
     lessons.set_defaults(do=_do_lessons)
     info = commands.add_parser(
         "info",
-        help="print what a recording holds",
-        description="Print topics, types, counts and rates; of several recordings a line on each.",
+        help="print the contents of a recording",
+        description="Print topics, types, counts and rates; for several recordings, a line for each.",
     )
     info.set_defaults(do=_print_info)
     spans = commands.add_parser(
         "find",
-        help="print when something held in a recording",
-        description="Print from when to when conditions held, in seconds from the start of the recording.",
-        epilog="Exits with 0 when something was found, 1 when nothing was, 2 when it could not look.",
+        help="print when conditions held in a recording",
+        description="Print the spans in which conditions held, in seconds from the start of the recording.",
+        epilog="Exits with 0 if something was found, 1 if nothing was found, 2 on a failure.",
     )
     add_find(spans)
     spans.set_defaults(do=_print_spans, failed=2)
 
     doctor = commands.add_parser(
         "doctor",
-        help="print what is wrong with a recording, and what to do about it",
+        help="print the problems of a recording, and what to do about them",
         description="Check the scans of a recording (rays, angles, limits, frames), its rates, and its topics.",
-        epilog="Exits with 0 when all is well, 1 when there are problems, 2 when it could not look.",
+        epilog="Exits with 0 without problems, 1 with problems, 2 on a failure.",
     )
     doctor.set_defaults(do=_print_report, failed=2)
 
     seconds = commands.add_parser(
         "index",
-        help="write what many recordings hold in each second, for fast questions",
-        description="Write what recordings hold in each second as a Parquet file, which find and SQL then ask instead.",
-        epilog="Recordings that an earlier index of this name has are read again only if they changed.",
+        help="write an index of many recordings, second by second, for fast searches",
+        description="Summarize each second of recordings in a Parquet file, for fast searches with find and SQL.",
+        epilog="Recordings in an earlier index with this name are read again only if they changed.",
     )
-    seconds.add_argument("-o", "--output", required=True, metavar="OUT.parquet", help="where to write it")
+    seconds.add_argument("-o", "--output", required=True, metavar="OUT.parquet", help="the file to write")
     add_topics(seconds)
     seconds.set_defaults(do=_write_index, failed=2)
 
     mend = commands.add_parser(
         "repair",
         help="write a damaged recording as an MCAP file that every tool reads",
-        description="Write all that can be read of a recording, by a clock that never goes back, as an MCAP file.",
-        epilog="Exits with 0 when the file was written, 2 when it could not be.",
+        description="Write all readable messages of a recording as an MCAP file, with times that never go back.",
+        epilog="Exits with 0 if the file was written, 2 on a failure.",
     )
     mend.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="OUT.mcap",
-        help="where to write it (default: FILE_repaired.mcap beside FILE)",
+        help="the file to write (default: FILE_repaired.mcap in the folder of FILE)",
     )
-    mend.add_argument("--force", action="store_true", help="replace a file that is there already")
+    mend.add_argument("--force", action="store_true", help="replace an existing file")
     mend.set_defaults(do=_write_repaired, failed=2)
 
     page = commands.add_parser(
         "export",
         help="write a recording as a page that plays anywhere",
-        description="Write a recording, or a stretch of it, as one HTML file that plays without a kernel or the web.",
-        epilog="Exits with 0 when the file was written, 2 when it could not be.",
+        description="Write a recording, or a part of it, as one HTML file that plays without a kernel or the web.",
+        epilog="Exits with 0 if the file was written, 2 on a failure.",
     )
     add_export(page)
     page.set_defaults(do=_write_page, failed=2)
@@ -270,7 +270,7 @@ def _parser() -> argparse.ArgumentParser:
             "--folder",
             type=Path,
             default=Path(_notebooks.FOLDER),
-            help=f"folder for the notebooks (default: {_notebooks.FOLDER}); what is there already stays as it is",
+            help=f"folder for the notebooks (default: {_notebooks.FOLDER}); existing files stay unchanged",
         )
     return parser
 

@@ -1,4 +1,4 @@
-"""The lessons as assignments for nbgrader: without solutions, with a cell that checks each answer, for a point."""
+"""The lessons as assignments for nbgrader: without solutions, and with a cell per answer that checks it for a point."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ _CHECK = re.compile(r"\n\n\nresult = (lessons\.check\(.*\))\nresult$")
 
 
 def write_assignments(folder: Path, language: str) -> list[str]:
-    """Write the lessons with tasks into the folder of a course; returns a line on each for a person.
+    """Write the lessons with tasks into the folder of a course. Return a line about each, for the user.
 
-    A source that is there already stays as it is.
+    Existing sources stay unchanged.
     """
     lines = []
     for name in WITH_TASKS:
         file = folder / "source" / name / f"{name}.ipynb"
         if file.exists():
-            lines.append(f"{file} is there already, and stays as it is")
+            lines.append(f"{file} exists and stays unchanged")
             continue
         lesson = json.loads(_notebooks.shipped_in(f"{name}.ipynb", language).read_text(encoding="utf-8"))
         made = assignment(lesson)
@@ -36,7 +36,7 @@ def write_assignments(folder: Path, language: str) -> list[str]:
 
 
 def assignment(lesson: Mapping[str, Any]) -> dict[str, Any]:
-    """A lesson as the source of an assignment."""
+    """Return a lesson as the source of an assignment."""
     return {**lesson, "cells": [made for cell in lesson["cells"] for made in _cells(cell)]}
 
 
@@ -48,7 +48,7 @@ def _cells(cell: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
     if check is None:
         yield cell
         return
-    # An ordinary cell: nbgrader would empty one of its own for answers, and with it what is to be changed.
+    # An ordinary cell: nbgrader would clear its own answer cells, with the code that the student has to change.
     yield {**cell, "source": text[: check.start()].splitlines(keepends=True)}
     name = cell["id"].replace("task", "check")
     graded = {"grade": True, "grade_id": name, "locked": True, "points": 1, "schema_version": 3, "solution": False}

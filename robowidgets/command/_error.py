@@ -4,4 +4,4 @@ from __future__ import annotations
 
 
 class CommandError(Exception):
-    """The arguments make no sense, not for this recording, or need what is not installed; one line for a person."""
+    """The arguments are invalid, do not fit the recording, or need a missing package. The text is one line."""

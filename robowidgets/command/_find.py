@@ -35,7 +35,7 @@ _COMPARISON = re.compile(r"\s*(?:abs\(\s*(\S+?)\s*\)|(\S+?))\s*(<=|>=|==|!=|<|>)
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 
 _LOOKS_AT = {"nearest_below": LASER, "speed_above": SPEED, "touched": TOUCH}
-"""The kind of topic that a condition looks at."""
+"""The kind of topic that a condition reads."""
 
 _USED_BY = {
     "sector": "nearest_below",
@@ -57,64 +57,65 @@ _GIVES = {
     "--level": "level",
     "--field": "field",
 }
-"""The argument of a condition that an option gives."""
+"""The argument of a condition that an option sets."""
 
 _NAMED_BY: dict[str | None, str] = {
     None: "--silent",
     **{kind.name: f"--{kind.sample_name}" for kind in _LOOKS_AT.values()},
 }
-"""The option that names a topic of a kind; None: the topic with a gap."""
+"""The option that names a topic of a kind. None stands for the topic with a gap."""
 
 
 _WITH_OR_WITHOUT: dict[str, Any] = {"nargs": "?", "const": "", "action": "append", "default": []}
-"""Of an option that may be given several times, with a word or without one."""
+"""The settings of an option that may be given several times, with or without a word."""
 
 
 def add_find(parser: argparse.ArgumentParser) -> None:
-    """The arguments of ``robowidgets find``, but for its file."""
-    asked = parser.add_argument_group("conditions, of which all must hold")
+    """Add the arguments of ``robowidgets find``, except its file."""
+    asked = parser.add_argument_group("conditions (all must hold)")
     asked.add_argument(
         "--touched",
         **_WITH_OR_WITHOUT,
         metavar="SENSOR",
-        help="it is touched; none named: any; may be given again for another",
+        help="this sensor is touched; without SENSOR, any sensor; may be given again for another",
     )
-    asked.add_argument("--nearest-below", type=float, metavar="METRES", help="a ray meets something nearer than that")
-    asked.add_argument("--speed-above", type=float, metavar="SPEED", help="it is faster than that, either way")
-    asked.add_argument("--gap", type=float, metavar="SECONDS", help="nothing came for longer than that")
+    asked.add_argument("--nearest-below", type=float, metavar="METRES", help="a ray is shorter than this")
+    asked.add_argument("--speed-above", type=float, metavar="SPEED", help="the speed, without its sign, is above this")
+    asked.add_argument("--gap", type=float, metavar="SECONDS", help="no message came for longer than this")
     asked.add_argument(
         "--field",
         action="append",
         default=[],
         metavar="COMPARISON",
-        help="a field of any topic compares so, as '/imu.linear_acceleration.x > 12', by <, <=, >, >=, == or !=, to a "
-        "number, true, false or a text; abs(/imu.angular_velocity.z) is its size; may be given again for another",
+        help="a comparison of a field of any topic, such as '/imu.linear_acceleration.x > 12', by <, <=, >, >=, == or "
+        "!=, with a number, true, false or a text; abs(/imu.angular_velocity.z) is the absolute value; may be given "
+        "again for another",
     )
     asked.add_argument(
         "--event",
         **_WITH_OR_WITHOUT,
         metavar="TOPIC",
-        help="something was logged, changed its status, or was pressed; no topic named: on any that tells of events",
+        help="a log message, a change of a status, or a press; without TOPIC, on any topic with events",
     )
     asked.add_argument(
         "--label",
         **_WITH_OR_WITHOUT,
         metavar="NAME",
-        help="a person gave the span this name; none named: any",
+        help="a span with this label; without NAME, with any label",
     )
-    asked.add_argument("--any", action="store_true", help="one of the conditions is enough")
+    asked.add_argument("--any", action="store_true", help="at least one of the conditions must hold instead of all")
     how = parser.add_argument_group("where to look")
     how.add_argument(
         "--sector",
         type=_angle,
         nargs=2,
         metavar=("FROM", "TO"),
-        help="only rays between these angles, counter-clockwise: radians, or degrees as in -30deg 30deg; or one word: "
+        help="only rays between these angles, counter-clockwise, in radians, or degrees as in -30deg 30deg; or a name: "
         f"{', '.join(SECTORS)} (default: all)",
     )
-    how.add_argument("--level", help="of the event, at least: DEBUG, INFO, WARN, ERROR or FATAL (default: any)")
-    how.add_argument("--text", metavar="WORDS", help="in the text or the source of the event, in any case")
-    how.add_argument("--axis", help="of the speed (default: linear.x; angular.z is yaw)")
+    how.add_argument("--level", help="lowest level of the event: DEBUG, INFO, WARN, ERROR or FATAL (default: any)")
+    how.add_argument("--text", metavar="WORDS", help="part of the text or the source of the event, ignoring case")
+    how.add_argument("--axis", help="axis of the speed (default: linear.x; angular.z is yaw)")
     for name in (kind.sample_name for kind in _LOOKS_AT.values()):
         how.add_argument(f"--{name}", metavar="TOPIC", help=f"the topic of the {name} (default: the only one)")
     how.add_argument(
@@ -124,18 +125,18 @@ def add_find(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json",
         action="store_true",
-        help="print a list of spans as JSON, times in seconds; of several recordings, a line for each span",
+        help="print a list of spans as JSON, times in seconds; for several recordings, a line for each span",
     )
 
 
 def add_topics(parser: Any) -> None:
-    """The argument that says which topics are meant in several recordings."""
+    """Add the argument for the topics to use in several recordings."""
     parser.add_argument(
         "--topics",
         action="append",
         default=[],
         metavar="PATTERN",
-        help="of several recordings: name or pattern, as '/front*', of the topics that are meant among several",
+        help="for several recordings: name or pattern, such as '/front*', of the topics to use",
     )
 
 
@@ -144,14 +145,15 @@ def _is_there(word: str) -> bool:
 
 
 _TAKE_A_WORD = ["--touched"], ["--event"], ["--label"]
-"""Options after which a word may stand, or none."""
+"""Options with an optional word after them."""
 
 
 def readable(words: Iterable[str]) -> list[str]:
-    """The words of a command, as argparse can read them.
+    """Return the words of a command in a form that argparse reads as intended.
 
-    It takes ``-30deg`` for an option unless a space stands before it, wants two words after ``--sector``, and takes a
-    file after ``--touched`` for a sensor, after ``--event`` for a topic, and after ``--label`` for a name.
+    Without changes, argparse reads ``-30deg`` as an option unless a space precedes it, requires two words after
+    ``--sector``, and reads a file after ``--touched`` as a sensor, after ``--event`` as a topic, and after ``--label``
+    as a name.
     """
     read: list[str] = []
     given = list(words)
@@ -184,11 +186,11 @@ def _sector(words: list[Any] | None) -> SectorLike:
 
 
 def condition(arguments: argparse.Namespace) -> Condition:
-    """The condition that the arguments name.
+    """Return the condition that the arguments describe.
 
     Raises:
-        CommandError: they name none, or something that it does not use.
-        ValueError: one makes no sense.
+        CommandError: they contain no condition, or an option that no condition uses.
+        ValueError: an argument is invalid.
     """
     asked: list[Condition] = [conditions.touched(label or None, arguments.touch) for label in arguments.touched]
     if arguments.nearest_below is not None:
@@ -209,7 +211,7 @@ def condition(arguments: argparse.Namespace) -> Condition:
 
 
 def _compared(words: str) -> Condition:
-    """The condition in words such as ``/imu.linear_acceleration.x > 12``."""
+    """Return the condition of a comparison such as ``/imu.linear_acceleration.x > 12``."""
     found = _COMPARISON.fullmatch(words)
     if found is None:
         raise CommandError(
@@ -224,12 +226,12 @@ def _compared(words: str) -> Condition:
 def _labelled(name: str) -> Condition:
     try:
         return conditions.label(name or None)
-    except ValueError as error:  # "label: ...", as of the sensors of --touched
+    except ValueError as error:  # it begins with "label: "
         raise CommandError(f"find: --{error}") from None
 
 
 def _value(word: str) -> Any:
-    """A number, a flag or a text, which may stand in quotes."""
+    """Return a word as a number, a flag, or a text without its quotes."""
     with suppress(ValueError):
         return int(word)
     with suppress(ValueError):
@@ -243,17 +245,17 @@ def _check_used(arguments: argparse.Namespace) -> None:
     for name, user in _USED_BY.items():
         unused = getattr(arguments, name) is not None and getattr(arguments, user) in (None, [])
         if unused:
-            raise CommandError(f"find: --{name} says where to look for --{user.replace('_', '-')}, which is not asked")
+            raise CommandError(f"find: --{name} needs --{user.replace('_', '-')}, which is missing")
 
 
 def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
-    """The output of ``robowidgets find``, and its exit code: 0 if there are spans, 1 if there are none.
+    """Return the output of ``robowidgets find``, and its exit code: 0 with spans, 1 without, 130 if interrupted.
 
-    ``warn`` gets a line for each problem of the recording.
+    ``warn`` receives a line for each problem of the recording.
 
     Raises:
-        CommandError: the condition makes no sense.
-        RecordingError: the recording cannot be read, or has no such topic.
+        CommandError: the condition is invalid.
+        RecordingError: the recording cannot be read, or does not have the topic.
     """
     file = None if fleet.is_index(arguments.files) else fleet.the_only(arguments.files)
     if file is None or arguments.topics:
@@ -267,7 +269,7 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
             option = _NAMED_BY[error.widget]
             raise CommandError(f"{error.there}: name the topic, as in {option} {error.topics[0]}") from None
         finally:
-            # Also after an error, which damage may have caused.
+            # Also after an error, because damage of the recording may have caused it.
             for line in recording.problems:
                 warn(f"! {line}")
     code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED
@@ -280,7 +282,7 @@ def _find_in_many(arguments: argparse.Namespace, warn: Callable[[str], None]) ->
     try:
         if fleet.is_index(arguments.files):
             if arguments.topics:
-                raise CommandError("find: --topics are those for which the index was written: give them to index")
+                raise CommandError("find: an index has fixed topics: give --topics to robowidgets index instead")
             hits = fleet.drives(arguments.files[0]).find(condition(arguments))
         else:
             hits = fleet.find(condition(arguments), *arguments.files, topics=arguments.topics)
@@ -303,7 +305,7 @@ def _find_in_many(arguments: argparse.Namespace, warn: Callable[[str], None]) ->
 
 
 def _in_options(error: str) -> str:
-    """An error about an argument of a condition, with the name of the option that gave it."""
+    """Replace the argument of a condition in an error by the name of its option."""
     argument, colon, what = error.partition(":")
     option = next((option for option, gives in _GIVES.items() if gives == argument), argument)
     return f"find: {option}{colon}{what.replace(OF_DEGREES, 'degrees are written as -30deg')}"
@@ -319,11 +321,11 @@ _COLUMNS: dict[str, Callable[[Any], str]] = {
     "value": "{:g}".format,
     "silent": ", ".join,
 }
-"""What is printed of a span, by its attribute; angles in degrees."""
+"""The columns of a span by its attributes, with their formats; angles in degrees."""
 
 
 def _heads(arguments: argparse.Namespace) -> list[str]:
-    """The columns that the conditions have something to say in."""
+    """Return the columns that the conditions fill."""
     left_out = set()
     if arguments.nearest_below is None:
         left_out |= {"nearest", "index", "angle"}
@@ -336,7 +338,7 @@ def _heads(arguments: argparse.Namespace) -> list[str]:
 
 def _spans_as_text(spans: Spans, heads: list[str]) -> str:
     lines = ["\t".join(_text(span, head) for head in heads) for span in spans]
-    stopped = [] if spans.is_complete else [f"# stopped at {spans.until:.3f}: nothing after that was looked at"]
+    stopped = [] if spans.is_complete else [f"# stopped at {spans.until:.3f}: the rest was not searched"]
     return "\n".join(["# " + "\t".join(heads), *lines, *stopped])
 
 

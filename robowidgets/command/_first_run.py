@@ -1,4 +1,4 @@
-"""The first run of a notebook's cells, before anybody looks: the page then meets their widgets live."""
+"""The first run of a notebook's cells, before the page opens, so that the page shows live widgets."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from nbclient.exceptions import CellExecutionError, CellTimeoutError
 
 CELL_SECONDS = 60
 LEFT_TO_THE_READER = "live"
-"""The tag of cells that are worth nothing when nobody looks at them run."""
+"""The tag of cells that are skipped, because they only make sense while the user watches."""
 
 
 async def run_cells(server: Any, notebook: Path, say: Callable[[str], None]) -> None:
-    """Run a notebook in a session of the server, and write what its cells show into its file, as trusted.
+    """Run a notebook in a session of the server, and write the outputs of its cells into its file, as trusted.
 
-    JupyterLab joins the session that a notebook has, and takes the live widgets from its kernel. The first cell that
-    fails or takes more than a minute ends the run, and so does a kernel that fails: `say` gets a line that says so, and
-    the file holds what was shown up to there.
+    JupyterLab joins the session of the notebook, and takes the live widgets from its kernel. The run ends at the first
+    cell that fails or takes more than a minute, or if the kernel fails. `say` then receives a line about this, and the
+    file contains the outputs up to that cell.
 
     Args:
         server: JupyterLab's server, with its loop running.
         notebook: a file in the root folder of the server.
-        say: takes a line of text.
+        say: receives a line of text.
     """
     content = nbformat.read(notebook, as_version=4)
     client = NotebookClient(content, timeout=CELL_SECONDS, skip_cells_with_tag=LEFT_TO_THE_READER, record_timing=False)
@@ -37,22 +37,22 @@ async def run_cells(server: Any, notebook: Path, say: Callable[[str], None]) -> 
         )
         client.km = manager = server.kernel_manager.get_kernel(session["kernel"]["id"])
         kernel = await client.async_start_new_kernel_client()
-        # The client looks once a second whether the kernel lives: one that the server restarted meanwhile seems busy.
+        # The client checks once a second if the kernel is alive. A kernel restarted by the server would seem busy.
         manager.stop_restarter()
         try:
-            # Not async_execute: it takes the signals that stop the server for itself.
+            # Not async_execute, which would handle the signals that stop the server.
             for index, cell in enumerate(content.cells):
                 await client.async_execute_cell(cell, index)
         finally:
             kernel.stop_channels()
             manager.start_restarter()
     except CellExecutionError as error:
-        say(f"A cell raised {error.ename}: {error.evalue}. The rest is left for you to run.")
+        say(f"A cell raised {error.ename}: {error.evalue}. Please run the remaining cells yourself.")
     except CellTimeoutError:
         await manager.interrupt_kernel()
-        say(f"A cell took more than {CELL_SECONDS} seconds and was stopped. The rest is left for you to run.")
+        say(f"A cell took more than {CELL_SECONDS} seconds and was stopped. Please run the remaining cells yourself.")
     except (NoSuchKernel, RuntimeError) as error:
-        say(f"The kernel failed: {error}. The rest is left for you to run.")
+        say(f"The kernel failed: {error}. Please run the remaining cells yourself.")
     client.set_widgets_metadata()
     nbformat.write(content, notebook)
     server.contents_manager.notary.sign(nbformat.read(notebook, as_version=4))

@@ -1,4 +1,4 @@
-"""JupyterLab, on this machine only, open at one notebook."""
+"""JupyterLab on this machine only, opened with one notebook."""
 
 from __future__ import annotations
 
@@ -13,26 +13,27 @@ from typing import Any
 from urllib.parse import quote
 
 _ENDING = 1.0
-"""Seconds that tasks of a server have for their end, once it has stopped."""
+"""Seconds to wait for the tasks of a stopped server to end."""
 
 
 def is_installed() -> bool:
-    """Whether JupyterLab and a Python kernel are installed."""
+    """Return True if JupyterLab and a Python kernel are installed."""
     return find_spec("jupyterlab") is not None and find_spec("ipykernel") is not None
 
 
 def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
-    """The arguments of JupyterLab.
+    """Return the arguments of JupyterLab.
 
     Args:
-        notebook: the file to open; its folder is all that the page can reach.
-        port: to listen on, 0 for any that is free; None for JupyterLab's own choice, the first free one from 8888.
-        browser: whether to open the browser.
+        notebook: the file to open. The page can reach only its folder.
+        port: the port to listen on, 0 for any free port, or None for JupyterLab's default, the first free one from
+            8888.
+        browser: True to open the browser.
     """
     options = [
         f"--ServerApp.root_dir={notebook.parent}",
         f"--LabApp.default_url=/lab/tree/{quote(notebook.name)}",
-        f"--LabApp.workspaces_dir={notebook.parent / '.workspaces'}",  # a workspace of its own, without the user's tabs
+        f"--LabApp.workspaces_dir={notebook.parent / '.workspaces'}",  # without the user's open tabs
         "--ServerApp.ip=127.0.0.1",
         "--Application.log_level=WARN",
     ]
@@ -48,15 +49,15 @@ def arguments(notebook: Path, port: int | None, browser: bool) -> list[str]:
 def run(
     notebook: Path, port: int | None, browser: bool, say: Callable[[str], None], *, runs_cells: bool = True
 ) -> None:
-    """Run the notebook's cells, if asked to, then JupyterLab with the notebook open, until it is stopped.
+    """Run the notebook's cells if ``runs_cells``, then JupyterLab with the notebook open, until it is stopped.
 
-    JupyterLab makes a new random token, which it prints with its address. `say` takes lines for the person who waits.
+    JupyterLab makes a new random token, which it prints with its address. `say` receives lines for the user.
     """
     os.environ.pop("JUPYTER_TOKEN", None)
     from jupyterlab.labapp import LabApp
 
     with warnings.catch_warnings():
-        # Options that the server itself reads by their old names; a user can do nothing about them.
+        # The server itself uses old names of options; users cannot change this.
         warnings.filterwarnings("ignore", r"ServerApp\.\w+ config is deprecated", DeprecationWarning)
         server = LabApp.initialize_server(arguments(notebook, port, browser))
     server.web_app.settings["page_config_hook"] = _without_announcements
@@ -68,7 +69,7 @@ def run(
 
 
 def end_tasks(loop: asyncio.AbstractEventLoop) -> None:
-    """End what a stopped loop has left: threads of anyio wait for the end of a task, and the process waits for them."""
+    """Cancel the tasks of a stopped loop: threads of anyio wait for them, and the process waits for the threads."""
 
     async def end() -> None:
         if tasks := asyncio.all_tasks() - {asyncio.current_task()}:
@@ -86,8 +87,8 @@ def _serve(server: Any, notebook: Path, say: Callable[[str], None], *, runs_cell
         server.start()
         return
 
-    # A server that is stopped interrupts the running cell, so the run ends while its event loop still runs.
-    # An interrupt leaves the loop at once where no terminal asks: the run ends in `end_tasks`.
+    # A stopping server interrupts the running cell, so that the run ends while the event loop still runs.
+    # Without a terminal to confirm it, an interrupt leaves the loop at once, and the run ends in `end_tasks`.
     left = False
 
     def is_open() -> bool:
@@ -110,6 +111,6 @@ def _serve(server: Any, notebook: Path, say: Callable[[str], None], *, runs_cell
 
 
 def _without_announcements(_handler: Any, page_config: dict[str, Any]) -> dict[str, Any]:
-    """Without the question about news, and without asking the web for new releases."""
+    """Return the page's config without the question about news and the search for new releases on the web."""
     disabled = [*page_config["disabledExtensions"], "@jupyterlab/apputils-extension:announcements"]
     return page_config | {"disabledExtensions": disabled}

@@ -1,4 +1,4 @@
-"""The command ``robowidgets lessons``: the lessons in a language, as assignments, and how far a class is."""
+"""The command ``robowidgets lessons``: the lessons in a language, as assignments, and the progress of a class."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def add_lessons(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         default=Path(_notebooks.LESSONS_FOLDER),
         metavar="FOLDER",
-        help=f"folder for the lessons (default: {_notebooks.LESSONS_FOLDER}); what is there already stays as it is",
+        help=f"folder for the lessons (default: {_notebooks.LESSONS_FOLDER}); existing files stay unchanged",
     )
     parser.add_argument(
         "--language",
-        help=f"of the lessons and their checks: {', '.join(lessons.languages())} (default: {lessons.ENGLISH})",
+        help=f"language of the lessons and checks: {', '.join(lessons.languages())} (default: {lessons.ENGLISH})",
     )
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(
@@ -38,25 +38,26 @@ def add_lessons(parser: argparse.ArgumentParser) -> None:
     instead.add_argument(
         "--summary",
         action="store_true",
-        help=f"print how far the students are whose reports are in FOLDER, and write it as a page (FOLDER/{PAGE})",
+        help=f"print the progress of the students from their reports in FOLDER, and write it as FOLDER/{PAGE}",
     )
 
     instead.add_argument(
         "--grade",
         action="store_true",
-        help="run the answers in FOLDER, each submission in a process of its own, and mark them; then as --summary",
+        help="run the answers in FOLDER, each submission in a separate process, and mark them; then as --summary",
     )
     parser.add_argument(
-        "--user", help="with --grade, as root: the user as whom answers run, who should have no rights, such as nobody"
+        "--user",
+        help="with --grade, as root: the user that runs the answers, best one without rights, such as nobody",
     )
 
 
 def language_of(arguments: argparse.Namespace) -> str:
-    """The language that is asked for; CommandError if no lesson is written in it."""
+    """Return the requested language; CommandError if the lessons are not available in it."""
     language = lessons.ENGLISH if arguments.language is None else str(arguments.language)
     if language not in lessons.languages():
         raise CommandError(
-            f"--language: no lesson is written in {language!r}; there are {', '.join(lessons.languages())}"
+            f"--language: the lessons are not available in {language!r}; choose one of {', '.join(lessons.languages())}"
         )
     return language
 
@@ -68,9 +69,9 @@ def print_assignments(arguments: argparse.Namespace, say: Callable[[str], None])
 
 
 def grade(arguments: argparse.Namespace, say: Callable[[str], None]) -> int:
-    """Mark what was handed in, and print how far the class is; returns 1 when something could not be read or run."""
+    """Mark the submissions, and print the progress of the class. Return 1 if something could not be read or run."""
     if not arguments.folder.is_dir():
-        raise CommandError(f"--grade: there is no folder {str(arguments.folder)!r}; name the one with the submissions")
+        raise CommandError(f"--grade: {str(arguments.folder)!r} is not a folder; expected the one with the submissions")
     if arguments.user is not None and (not hasattr(os, "geteuid") or os.geteuid() != 0):
         raise CommandError("--user: only root may run answers as another user; see the page on grading for a container")
     try:
@@ -82,7 +83,7 @@ def grade(arguments: argparse.Namespace, say: Callable[[str], None]) -> int:
 
 
 def print_summary(arguments: argparse.Namespace, say: Callable[[str], None]) -> int:
-    """Print how far a class is, and write it as a page; returns 1 when a file could not be read."""
+    """Print the progress of a class, and write it as a page. Return 1 if a file could not be read."""
     try:
         found = lessons.summary(arguments.folder)
     except ValueError as error:  # the marks are damaged
@@ -90,5 +91,5 @@ def print_summary(arguments: argparse.Namespace, say: Callable[[str], None]) -> 
     page = arguments.folder / PAGE
     found.to_html(page)
     say(str(found))
-    say(f"\nAs a page, with the answers of those who are stuck: {page}")
+    say(f"\nAs a page, with the answers of the students who are stuck: {page}")
     return 1 if found.problems else 0

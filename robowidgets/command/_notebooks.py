@@ -1,4 +1,4 @@
-"""The notebooks that the package ships, and one made for a recording."""
+"""The notebooks of the package, and a generated notebook for a recording."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ LESSON = "from_picture_to_code.ipynb"
 FOLDER = "robowidgets-notebooks"
 LESSONS_FOLDER = "robowidgets-lessons"
 _SPEAKS = re.compile(r'\blessons\.progress\((?:\\"(\w+)\\")?\)')
-"""The line of a lesson that says its language, in JSON."""
+"""The line of a lesson that sets its language, in JSON."""
 
 
 def shipped() -> Path:
-    """The folder of the notebooks: inside the package where it is installed, beside it in a checkout.
+    """Return the folder of the notebooks: inside the installed package, or next to the package in a checkout.
 
     Raises:
-        FileNotFoundError: there is none.
+        FileNotFoundError: neither folder exists.
     """
     for folder in (_PACKAGE / "notebooks", _PACKAGE.parent / "notebooks"):
         if (folder / TOUR).is_file():
@@ -35,18 +35,18 @@ def shipped() -> Path:
 
 
 def shipped_in(name: str, language: str) -> Path:
-    """A notebook that is shipped, in a language where it is written in that."""
+    """Return the file of a notebook of the package in a language, or in English if it is not translated."""
     there = shipped() / language / name
     return there if there.exists() else shipped() / name
 
 
 def copy_shipped(folder: Path, first: str = TOUR, language: str = ENGLISH) -> Path:
-    """One notebook in a folder, with the others beside it; those that are there already stay as they are.
+    """Copy the notebooks of the package to a folder, and return the first one. Existing notebooks stay unchanged.
 
     Args:
         folder: the folder.
-        first: name of the one notebook.
-        language: of the lessons; the others are English.
+        first: the name of the notebook to return.
+        language: the language of the lessons; the other notebooks are in English.
     """
     for notebook in shipped().glob("*.ipynb"):
         if not (folder / notebook.name).exists():
@@ -55,7 +55,7 @@ def copy_shipped(folder: Path, first: str = TOUR, language: str = ENGLISH) -> Pa
 
 
 def in_others(folder: Path, language: str) -> Iterator[tuple[Path, str]]:
-    """The lessons in a folder that are in another language than this, each with its own."""
+    """Yield the lessons in a folder that are in another language than this, each with its language."""
     for shipped_one in sorted(shipped().glob("*.ipynb")):
         notebook = folder / shipped_one.name
         found = _SPEAKS.search(notebook.read_text(encoding="utf-8", errors="replace")) if notebook.is_file() else None
@@ -64,7 +64,7 @@ def in_others(folder: Path, language: str) -> Iterator[tuple[Path, str]]:
 
 
 def write_for(recording: Path | str, folder: Path) -> Path:
-    """A notebook in a folder that opens a recording and shows it; one that is there for it already stays as it is."""
+    """Write a notebook that shows a recording to a folder, unless the folder has one, and return its file."""
     shown = named(str(recording)) if is_url(recording) else str(recording)
     stem = Path(file_name(shown) if is_url(shown) else shown).stem
     name = re.sub(r"[^\w-]+", "-", stem, flags=re.ASCII).strip("-") or "recording"
@@ -85,7 +85,7 @@ def write_for(recording: Path | str, folder: Path) -> Path:
 
 
 def _opens(file: Path, opened: str) -> bool:
-    """Whether a notebook has this line of code."""
+    """Return True if a notebook contains this line of code."""
     return json.dumps(opened)[1:-1] in file.read_text(encoding="utf-8", errors="replace")
 
 

@@ -1,4 +1,4 @@
-"""The command ``robowidgets repair``: a recording written anew, without what was wrong with it."""
+"""The command ``robowidgets repair``: a new file with the messages of a recording, without its faults."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ def repair(file: Path | str, output: Path | None, *, force: bool) -> Iterator[st
 
     Args:
         file: the recording, or its URL.
-        output: the MCAP file; None for one beside the recording, with ``_repaired`` at the end of its name; of a URL it
-            goes to the working directory.
-        force: whether to replace a file that is there already.
+        output: the MCAP file, or None for a file with ``_repaired`` at the end of its name: in the folder of the
+            recording, or in the working directory for a URL.
+        force: True to replace an existing file.
 
     Returns:
-        Lines on what was wrong, and on what was written, as soon as it is known.
+        Lines about the faults, and about the written file, as soon as they are known.
 
     Raises:
-        RecordingError: nothing of it can be read, or the file cannot be written.
-        OSError: the output is there already, or belongs to the recording.
-        CommandError: the name of the output is none of an MCAP file.
+        RecordingError: nothing can be read, or the file cannot be written.
+        OSError: the output already exists, or belongs to the recording.
+        CommandError: the name of the output does not end in .mcap.
     """
     if isinstance(file, str):
         fetched = fetch(file)
@@ -64,12 +64,12 @@ def _beside(recording: Path) -> Path:
 
 
 def _check(recording: Path, output: Path, force: bool) -> None:
-    place, own = Path(os.path.realpath(output)), Path(os.path.realpath(recording))
-    if place == own or (recording.is_dir() and place.parent == own):
+    target, source = Path(os.path.realpath(output)), Path(os.path.realpath(recording))
+    if target == source or (recording.is_dir() and target.parent == source):
         raise FileExistsError(f"{output}: is part of the recording itself; name another file with --output")
     if output.is_dir():
         raise IsADirectoryError(f"{output}: is a folder; name a file with --output")
     if output.suffix.lower() != ".mcap":
         raise CommandError(f"--output: expected a name that ends in .mcap, got '{output}'")
     if output.exists() and not force:
-        raise FileExistsError(f"{output}: is there already; replace it with --force, or name another with --output")
+        raise FileExistsError(f"{output}: already exists; replace it with --force, or name another with --output")

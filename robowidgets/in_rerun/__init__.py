@@ -1,1 +1,1 @@
-"""A recording in Rerun, which shows the scans in the world frame."""
+"""A recording in Rerun, with its scans in the world frame."""

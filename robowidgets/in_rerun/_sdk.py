@@ -9,16 +9,16 @@ INSTALL = "pip install 'robowidgets[rerun]'"
 
 
 def library(name: str) -> Any:
-    """A module of rerun-sdk.
+    """Return a module of rerun-sdk.
 
     Raises:
-        ImportError: it is not installed or too old. The text gives the command that installs it.
+        ImportError: it is not installed or too old. The text contains the command that installs it.
     """
     try:
         module = import_module(name)
     except ImportError as error:
         raise ImportError(f"Rerun is not installed here ({error}): {INSTALL}, with Python 3.11 or later") from None
     if name == "rerun" and not hasattr(module, "StateChange"):
-        version = getattr(module, "__version__", "of another package of that name")
-        raise ImportError(f"rerun-sdk 0.41 or later is needed, and what is installed is {version}: {INSTALL}")
+        version = getattr(module, "__version__", "another package of that name")
+        raise ImportError(f"rerun-sdk 0.41 or later is needed, but {version} is installed: {INSTALL}")
     return module

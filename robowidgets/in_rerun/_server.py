@@ -54,26 +54,26 @@ class Server:
 
 @cache
 def server() -> Server:
-    """The server of this process."""
+    """Return the server of this process."""
     return Server()
 
 
 def kept_here(script: str) -> str:
-    """A JavaScript module whose ``fetch`` reaches only the server of the module.
+    """Return a JavaScript module changed so that its ``fetch`` reaches only the server of the module.
 
-    The viewer requests newer releases of itself from the web whenever it starts, and no option turns that off.
+    The viewer searches the web for its newer releases whenever it starts, and has no option to turn that off.
 
     Raises:
         RuntimeError: the module can also fetch in another way.
     """
     script = script.replace("arg0.fetch(arg1", "fetch(arg1")
     if ".fetch(" in script:
-        raise RuntimeError("the viewer of this rerun-notebook may ask the web: rerun-sdk>=0.41,<0.42 is known not to")
+        raise RuntimeError("the viewer of this rerun-notebook may access the web: use rerun-sdk>=0.41,<0.42")
     return _HERE + script
 
 
 def read(path: Path) -> Iterator[bytes]:
-    """The content of a file, in pieces."""
+    """Yield the content of a file in pieces."""
     with path.open("rb") as file:
         while piece := file.read(_PIECE):
             yield piece
@@ -102,10 +102,10 @@ class _Handler(BaseHTTPRequestHandler):
                     self.wfile.write(b"%x\r\n%b\r\n" % (len(piece), piece))
             self.wfile.write(b"0\r\n\r\n")
         except ConnectionError:
-            self.close_connection = True  # the page was closed meanwhile
+            self.close_connection = True  # the page was closed
         except Exception:
-            log.exception("robowidgets: the Rerun viewer gets no more of %s", Path(self.path).name)
+            log.exception("robowidgets: cannot send the rest of %s to the Rerun viewer", Path(self.path).name)
             self.close_connection = True
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002  # the name of http.server
-        """Log nothing: requests would be printed in the notebook."""
+        """Log nothing, because the notebook would print each request."""

@@ -14,12 +14,12 @@ _BASES = ("base_footprint", "base_link")
 
 
 class WorldFrame:
-    """The world frame, which is the parent of odometry or else the root of tf, and the frame of the robot in it.
+    """The world frame (the parent frame of odometry, or else the root of tf) and the frame of the robot in it.
 
     Args:
         recording: the recording.
-        scanners: names of the frames of what stands at the robot where its own place is not known.
-        others: names of the frames of what stands apart then.
+        scanners: the frames of the sensors that are drawn at the robot if their pose is unknown.
+        others: the frames of the sensors that are drawn apart from the world if their pose is unknown.
     """
 
     def __init__(self, recording: RecordingData, scanners: Sequence[str], others: Sequence[str] = ()) -> None:
@@ -34,19 +34,19 @@ class WorldFrame:
             self.name, self.robot = chain[-1], [*named, *moving, chain[0]][0]
         lost = sorted({chain[0] for chain in chains[: len(scanners)] if self.name not in chain})
         self.notes = [
-            f"Nothing says where {frame or 'the scanner'} is on the robot: its scans stand at {self.robot}."
+            f"The pose of {frame or 'the scanner'} on the robot is unknown: its scans are drawn at {self.robot}."
             for frame in lost
         ]
         """One line for each unknown pose, for the user."""
         if scanners and self.robot == self.name:
-            self.notes.append("Neither odometry nor tf says where the robot was: all scans stand at one place.")
+            self.notes.append("Neither odometry nor tf has the pose of the robot: all scans are drawn at one place.")
 
     def has(self, frame: str) -> bool:
-        """Whether it is known where a frame is."""
+        """Return True if the pose of a frame in the world is known."""
         return self.name in self._frames.chain(_plain(frame))
 
     def path(self) -> tuple[NDArray[np.int64], Poses] | None:
-        """Log times, shape (N,), and the poses of the robot at them; None if they are unknown."""
+        """Return log times, shape (N,), and the poses of the robot at these times, or None if they are unknown."""
         chain = self._frames.chain(self.robot)
         histories = [history for name in chain[: chain.index(self.name)] if (history := self._frames.history(name))]
         if not histories:
@@ -55,7 +55,7 @@ class WorldFrame:
         return history.times_ns, self._frames.poses(self.robot, self.name, history.times_ns, history.stamps_ns)
 
     def poses(self, frame: str, times_ns: NDArray[np.int64], stamps_ns: NDArray[np.int64]) -> Poses:
-        """The poses of a scanner at some log times and stamps; of the robot if those of the scanner are unknown."""
+        """Return the poses of a scanner, or of the robot if they are unknown, at some log times and stamps."""
         name = _plain(frame)
         if self.name not in self._frames.chain(name):
             name = self.robot

@@ -1,4 +1,4 @@
-"""Sending a recording to Rerun: into a file, or onto the page."""
+"""Sending a recording to Rerun: to a file or to the page."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .rerun_log import Log
 from .widget import RerunWidget
 
 _TOGETHER = 8
-"""Most pieces in the queue to be written."""
+"""The highest number of pieces in the queue of the writer."""
 
 _REFUSED = 1 << 20
-"""Bytes that a full disk has no room for."""
+"""Bytes that do not fit on a full disk."""
 
 
 def to_rerun(
@@ -37,9 +37,9 @@ def to_rerun(
                 for number, _ in enumerate(log.steps(stream), start=1):
                     if number % _TOGETHER == 0:
                         stream.flush()
-                stream.flush()  # raises where not all was written
+                stream.flush()  # raises if not everything was written
             except RuntimeError as error:
-                # Rerun logs why it could not write, and does not tell. The system tells it to who writes more.
+                # Rerun only logs the cause. Writing more bytes raises the system's error.
                 file.seek(0, os.SEEK_END)
                 file.write(bytes(_REFUSED))
                 file.flush()

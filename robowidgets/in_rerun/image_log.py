@@ -1,4 +1,4 @@
-"""Logging the pictures of cameras to Rerun, in the world where it is known how they see and where they are."""
+"""Logging the pictures of cameras to Rerun, in the world if the calibration and the pose of the camera are known."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from ._world import WorldFrame
 from .rerun_log import Log, TopicLog
 
 _VIEW = 220.0
-"""Height of the view with all cameras."""
+"""The height of the view with all cameras."""
 
 
 class ImageLog(TopicLog):
-    """Logs pictures as they are, those of depth with their metres."""
+    """Logs pictures unchanged, and depth images with the scale of their metres."""
 
     is_large = stands_apart = True
 
@@ -60,19 +60,19 @@ class ImageLog(TopicLog):
                 yield
 
     def _model_of(self, topic: str) -> CameraModel | None:
-        """How the camera of a topic sees; None: it is not calibrated."""
+        """Return the model of the camera of a topic, or None if it is not calibrated."""
         info = first_info(self._recording, topic)
         if info is None:
             return None
         with suppress(TypeError, ValueError):
-            # As Rerun has it: without what bends a raw picture.
+            # A pinhole of Rerun has no distortion.
             first = next((image for _, image in self._images(topic)), None)
             size = (first.shape[1], first.shape[0]) if first else None
             return CameraModel(to_camera_info(info), rectified=True, size=size)
         return None
 
     def _placed(self, topic: str) -> CameraModel | None:
-        """How the camera of a topic sees, if it is known where it is."""
+        """Return the model of the camera of a topic if its pose is known, or None."""
         model, world = self._models[topic], self._log.world
         return model if model and world and world.has(model.info.frame_id) else None
 
@@ -80,7 +80,7 @@ class ImageLog(TopicLog):
         return self._log.entity("world/cameras" if self._placed(topic) else "cameras", topic)
 
     def _images(self, topic: str) -> Iterator[tuple[int, Image]]:
-        """Log times and pictures, without messages that are none."""
+        """Yield log times and pictures, without messages that are not pictures."""
         for moment in self._recording.messages(topic):
             with suppress(TypeError, ValueError):
                 yield moment.time_ns, to_image(moment.message)

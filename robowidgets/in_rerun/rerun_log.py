@@ -22,15 +22,15 @@ from ._sdk import library
 from ._world import WorldFrame
 
 SECONDS, CLOCK = "recording_time", "message_log_time"
-"""The timelines: time since the start of the recording, as the widgets show it; and the recorder's clock, under the
-name that Rerun uses when it opens an MCAP file itself."""
+"""The timelines: the time since the start of the recording, as in the widgets, and the clock of the recorder, with the
+name that Rerun uses for MCAP files."""
 
 _PIECE_BYTES = 1 << 20
 _ROOM = 3.0
-"""Metres around the path."""
+"""Metres to show around the path."""
 
 _WORLD, _PLOT, _LANE, _MOST_LANES = 300.0, 100.0, 24.0, 5
-"""Heights of the views, relative to each other."""
+"""The relative heights of the views, and the highest number of lanes that add height."""
 
 _COLOURS = ((0, 140, 149), (180, 83, 9), (88, 80, 176), (190, 24, 93))
 _STATE_NAMES = {TouchState.FREE: "free", TouchState.TOUCHED: "touched", TouchState.UNKNOWN: ""}
@@ -39,11 +39,11 @@ _STATE_NAMES = {TouchState.FREE: "free", TouchState.TOUCHED: "touched", TouchSta
 class Log:
     """The parts of a recording that are logged to Rerun.
 
-    Topics of a kind without a `TopicLog` in its row are left out.
+    Topics of a kind without a `TopicLog` in its row are skipped.
 
     Args:
         recording: the recording.
-        topics: names of topics in it; none: all that have a widget and a message.
+        topics: names of topics in it, or nothing for all topics with a widget and a message.
 
     Raises:
         ImportError: rerun-sdk is not installed.
@@ -61,7 +61,7 @@ class Log:
             recording.samples(others or None)
         self._start_ns = recording.start_ns or 0
         self.world: WorldFrame | None = None
-        """Known from `steps` on."""
+        """The world frame, which `steps` sets."""
         self._parts: list[TopicLog] = []
         for kind in KINDS.values():
             of_kind = [t for t in wanted(recording.topics, topics) if t.widget == kind.name]
@@ -70,12 +70,12 @@ class Log:
         self._parts += [load(row.rerun)(self, messages[row.name]) for row in on_demand if messages[row.name]]
 
     def stream(self) -> Any:
-        """A new `rerun.RecordingStream` for it, without a sink yet."""
+        """Return a new `rerun.RecordingStream` without a sink."""
         return self.rr.RecordingStream("robowidgets", send_properties=False)
 
     def steps(self, stream: Any) -> Iterator[None]:
         """Log the whole recording, one piece at each step, the large pieces last."""
-        name = self.recording.path.name.encode("utf-8", "replace")  # the names of files may be no UTF-8
+        name = self.recording.path.name.encode("utf-8", "replace")  # a file name may contain invalid UTF-8
         stream.send_recording_name(name.decode())
         scanners, others = (
             [frame for part in self._parts if part.stands_apart is apart for frame in part.frames()]
@@ -98,13 +98,13 @@ class Log:
         stream.send_columns(entity, times, columns, strict=True)
 
     def transforms(self, poses: Poses) -> Any:
-        """Columns of the transforms that place an entity at some poses."""
+        """Return the columns of the transforms that place an entity at some poses."""
         return self.rr.Transform3D.columns(translation=poses.positions, quaternion=poses.orientations)
 
     def entity(self, *parts: str) -> str:
-        """An entity path with one step for each part, whose slashes are escaped.
+        """Return an entity path with one step for each part.
 
-        Otherwise a scan of the topic /a/b would inherit the transform of the topic /a.
+        The slashes of a part are escaped, because a scan of the topic /a/b would inherit the transform of /a.
         """
         first, *rest = parts
         escaped = [self.rr.escape_entity_path_part(part.strip("/").replace(" ", "_")) for part in rest]
@@ -138,7 +138,7 @@ class Log:
         )
 
     def _eye(self, world: WorldFrame) -> Any:
-        """The camera, above and a little behind the whole path, with room around it for the scans."""
+        """Return a camera above and a little behind the whole path, with room around it for the scans."""
         positions = path[1].positions if (path := world.path()) else np.zeros((1, 3))
         low, high = positions.min(axis=0), positions.max(axis=0)
         x, y, z = (low + high) / 2
@@ -157,20 +157,20 @@ class TopicLog(ABC):
     """
 
     is_large = False
-    """Whether it is logged after the others."""
+    """True to log it after the others."""
 
     stands_apart = False
-    """Whether it stands apart from the world where the place of its sensor is not known, not at the robot."""
+    """True to draw it apart from the world, not at the robot, if the pose of its sensor is unknown."""
 
     def __init__(self, log: Log, topics: Sequence[Topic]) -> None:
         self._log, self._rr, self._recording, self._topics = log, log.rr, log.recording, topics
 
     def frames(self) -> list[str]:
-        """Names of the frames whose poses in the world it needs."""
+        """Return the names of the frames of its sensors."""
         return []
 
     def views(self) -> list[tuple[Any, float]]:
-        """Views for the blueprint, and their heights relative to the others."""
+        """Return views for the blueprint, and their heights relative to the others."""
         return []
 
     @abstractmethod
@@ -214,7 +214,7 @@ class ScanLog(TopicLog):
 
 
 class CloudLog(TopicLog):
-    """Logs clouds as points in the world, all of them."""
+    """Logs all points of clouds in the world."""
 
     is_large = True
 
@@ -238,7 +238,7 @@ class CloudLog(TopicLog):
                 yield
 
     def _clouds(self, topic: str) -> Iterator[tuple[int, Cloud]]:
-        """Log times and clouds, without messages that are none."""
+        """Yield log times and clouds, without messages that are not clouds."""
         for moment in self._recording.messages(topic):
             with suppress(TypeError, ValueError):
                 yield moment.time_ns, to_cloud(moment.message)
@@ -275,7 +275,7 @@ class SpeedLog(TopicLog):
                 self._log.send(stream, entity, speeds.times_ns[known], rr.Scalars.columns(scalars=column[known]))
 
     def _moving(self, topic: str, axes: Sequence[str]) -> list[str]:
-        """The entities of the axes that are not always 0: a robot in the plane moves along three of them."""
+        """Return the entities of the axes that are not always 0. Of a robot in the plane, these are at most three."""
         values = dict(zip(AXES, np.nan_to_num(self._recording.speeds(topic).values).T, strict=True))
         return [self._log.entity("speeds", topic, axis) for axis in axes if values[axis].any()]
 
@@ -309,13 +309,13 @@ class TouchLog(TopicLog):
 
 
 def _is_of(topic: Topic, row: OnDemandWidget, names: Sequence[str]) -> bool:
-    """Whether a topic is logged as a row says that is asked for: by its name, or where none is named."""
+    """Return True if a topic has a type of the row and was requested, by its name or because no names were given."""
     is_there = topic.count and not topic.problem and not row.types.isdisjoint(topic.type.split(", "))
     return bool(is_there) and (not names or topic.name in names)
 
 
 def _points(chunk: ScanChunk) -> NDArray[np.float32]:
-    """X, y and z in metres in the frame of the scanner, shape (N * R, 3); NaN where a ray is no reading."""
+    """Return x, y and z in metres in the frame of the scanner, shape (N * R, 3); NaN for rays without a reading."""
     ranges = np.where(
         (chunk.ranges >= chunk.range_min) & (chunk.ranges <= chunk.range_max), chunk.ranges, np.float32(np.nan)
     )

@@ -1,4 +1,4 @@
-"""The Rerun viewer in a page, with a time that can be set and observed."""
+"""The Rerun viewer on a page, with a time that Python can set and observe."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ PACE = 0.05
 """Seconds between two updates of the time from the viewer while it plays."""
 
 PATIENCE = 0.5
-"""Seconds to wait for the viewer to confirm a time before the next one is sent: it draws a picture for each, and a slow
-viewer would fall behind. Limited, because no answer arrives while a cell runs."""
+"""Seconds to wait for the viewer to confirm a time before the next time is sent. The viewer draws a picture for each
+time, and a slow viewer would fall behind. The wait is limited, because no answer arrives while a cell runs."""
 
 _numbers = count(1)
 
@@ -42,15 +42,15 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
     run on the same machine.
 
     Args:
-        recording: the recording; it may still be read, or be closed.
-        topics: names of topics in it; none: all that have a widget and a message.
+        recording: the recording, open or closed.
+        topics: names of topics in it, or nothing for all topics with a widget and a message.
 
     Raises:
         ImportError: rerun-sdk or its part for notebooks is not installed.
         UnknownTopicError: the recording has no such topic, or no widget shows it.
     """
 
-    time = Seconds(help="Seconds from the start of the recording, on show now. Python and the viewer write it.")
+    time = Seconds(help="The time on show, in seconds from the start of the recording. Python and the viewer write it.")
 
     _viewer: Any = None
 
@@ -61,7 +61,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
         self._start_ns = recording.start_ns or 0
         self._lock = threading.RLock()
         self._take_time = CoalescedCall(self._take_shown, thread="robowidgets-changes")
-        # Answers arrive when no cell runs, so all times sent until then must be recognised.
+        # Answers arrive only between cells, so all times sent until then must be recognised.
         self._sent: deque[int] = deque(maxlen=100_000)
         self._heard: int | None = None
         self._shown: int | None = None
@@ -92,7 +92,7 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             elif not self._agrees:
                 self._shown = None
         if heard is not None:
-            self._take_time.later()  # the pacer holds its turn, and observers of the time are code of users
+            self._take_time.later()  # in another thread, because observers of the time may delay the pacer
         else:
             self._send_time()
         return 0
@@ -120,16 +120,16 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
                 pacer.mark_at(self, self._sent_at + PATIENCE)
                 return
             self._shown, self._sent_at = now, time.monotonic()
-            if now != next(reversed(self._sent), None):  # told again, it answers once
+            if now != next(reversed(self._sent), None):  # the viewer answers once to repeated times
                 self._sent.append(now)
         self._viewer.set_time_ctrl(SECONDS, duration_nanos=now, play=False)
 
     def _on_event(self, text: str) -> None:
-        """Handle an event of the viewer, which also echoes the times that it was sent."""
+        """Handle an event of the viewer, which also echoes the times that it receives."""
         event = json.loads(text)
         kind = event["type"]
         if kind == "recording_open":
-            # The page has just loaded the recording, and has no time yet.
+            # The page has just loaded the recording and has no time yet.
             with self._lock:
                 self._sent.clear()
                 self._is_open = True
@@ -152,12 +152,12 @@ class RerunWidget(ipywidgets.Box):  # type: ignore[misc]  # ipywidgets has no ty
             elif self._agrees and now != self._shown:
                 self._heard = now
                 pacer.mark_at(self, self._next)
-            elif not self._agrees:  # until it has a timeline it drops what it is told, so it is told again
+            elif not self._agrees:  # a viewer without a timeline drops the times that it receives: send the time again
                 pacer.mark_at(self, self._sent_at + PATIENCE)
 
 
 def _pieces(shown: RecordingData, topics: Sequence[str]) -> Iterator[bytes]:
-    # Without progress bars, because the page is shown already.
+    # Without progress bars, because the page already shows the viewer.
     with without_bars(), shown.reopened() as recording:
         log = Log(recording, topics)
         stream = log.stream()
@@ -168,7 +168,7 @@ def _pieces(shown: RecordingData, topics: Sequence[str]) -> Iterator[bytes]:
 
 @cache
 def _viewer() -> Any:
-    """Rerun's widget, changed to fetch the viewer from this process instead of the web."""
+    """Return Rerun's widget class, changed to fetch the viewer from this process instead of the web."""
     notebook = library("rerun_notebook")
     server().put(notebook.WASM_PATH.name, partial(read, notebook.WASM_PATH))
     script = kept_here(notebook.WIDGET_PATH.read_text(encoding="utf-8")).encode()

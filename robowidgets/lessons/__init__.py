@@ -1,6 +1,6 @@
-"""Tasks for who learns to program a robot, each with a check that says what is still wrong. See the lesson notebooks.
+"""Tasks for students who learn to program a robot. A check of each task says what is still wrong.
 
-The simulator is all they need.
+See the lesson notebooks. They need only the simulator.
 """
 
 from ._check import check, example

@@ -1,7 +1,7 @@
-"""The answers of one submission, in a process of their own: it calls them, and has no part in the judgement.
+"""A process that runs the answers of one submission, but does not judge them.
 
-Standard input has messages of the grader. Each gets one line of JSON as reply: what a reply claims is an answer, never
-a mark.
+It reads messages of the grader from standard input, and replies to each with one line of JSON. A reply contains an
+answer, never a mark.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ OWN = ("state", "variables")
 """The inputs of a program that stay in this process."""
 
 _PAGE = re.compile(r"^(feeds|lessons|robot|display|\w*Widget|show)$")
-"""Names whose calls show or connect something: a cell that defines answers needs none of it."""
+"""Names whose calls show or connect something. Cells that define answers do not need them."""
 _USED = ("behaviors", "search.conditions", "feeds", "lessons", "simulator")
 """Modules that lessons import."""
 
 _MOST_MEMORY, _MOST_FILE, _MOST_SECONDS = 4 << 30, 1 << 20, 600
-"""Bytes of memory and of a file, and seconds of the processor, that a submission may take."""
+"""The limits of a submission: bytes of memory, bytes of a file, and seconds of processor time."""
 
 
 def serve(ids: tuple[int, int] | None = None) -> None:
     """Answer messages until standard input ends.
 
     Args:
-        ids: of the user and the group as whom answers run, or None for those of whoever started this. This process
-            becomes that user when all is imported, so that the user need not be able to read the installation.
+        ids: the ids of the user and the group that run the answers, or None for the user who started this process. The
+            process becomes that user after its imports, so that the user need not have access to the installation.
     """
     given, replies = sys.stdin.buffer, os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_RDWR)
@@ -76,7 +76,7 @@ def serve(ids: tuple[int, int] | None = None) -> None:
 
 
 class _Run:
-    """An answer in one case: a function, or a program with its own state."""
+    """An answer in one case: a function, or a program with its state."""
 
     def __init__(self, answer: Any, *, is_program: bool) -> None:
         self._answer = answer
@@ -91,20 +91,20 @@ class _Run:
 
 
 def _load(cells: list[str], checks: list[list[tuple[str, str]]]) -> dict[str, Any]:
-    """Run the definitions of each cell, and return the answers by task; the last one of each counts."""
-    module = sys.modules["answers"] = ModuleType("answers")  # in which a state machine looks for its events
+    """Run the definitions of each cell, and return the last answer to each task."""
+    module = sys.modules["answers"] = ModuleType("answers")  # a state machine looks for its events in it
     names = vars(module)
     found: dict[str, Any] = {}
     for number, (cell, asked) in enumerate(zip(cells, checks, strict=True)):
         for part in _definitions(cell):
-            with contextlib.suppress(BaseException):  # of one that no answer may need
+            with contextlib.suppress(BaseException):  # the answers may not need this definition
                 exec(compile(ast.Module([part], []), f"<cell {number}>", "exec"), names)
         found.update({task: names[name] for name, task in asked if name in names})
     return found
 
 
 def _definitions(cell: str) -> Iterator[ast.stmt]:
-    """The parts of a cell but for what shows, connects or checks: imports, functions, classes and values."""
+    """Yield the imports, functions, classes and values of a cell, but not the calls that show, connect or check."""
     lines = (re.sub(r"^[%!?].*", "pass", line) for line in cell.split("\n"))
     try:
         module = ast.parse("\n".join(lines))
@@ -124,12 +124,12 @@ def _definitions(cell: str) -> Iterator[ast.stmt]:
 def _text_of(error: BaseException, *, with_line: bool) -> str:
     try:
         return error_in(error) if with_line else str(error)
-    except BaseException:  # of an error that the answer defines
+    except BaseException:  # raised by an exception class that the answer defines
         return type(error).__name__
 
 
 def _plain(value: Any) -> Any:
-    """Return an answer as JSON has it, with its kind."""
+    """Return an answer and its kind as values for JSON."""
     if value is None:
         return {"kind": "none"}
     if isinstance(value, Drive):
@@ -150,7 +150,7 @@ def _plain(value: Any) -> Any:
 
 
 def _limit() -> None:
-    """Limit what this process takes, where the system can."""
+    """Limit the resources of this process, if the system supports it."""
     try:
         import resource
     except ImportError:  # Windows

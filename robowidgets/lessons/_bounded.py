@@ -1,4 +1,4 @@
-"""Calls of a function that may hang, raise, or return what it should not."""
+"""Calls of a function that may hang, raise, or return a wrong type."""
 
 from __future__ import annotations
 
@@ -18,23 +18,25 @@ from ..samples.hints import hearing
 from ._texts import say
 
 CASE_S = 10.0
-"""Seconds that all calls of a case may take together, by what nine of ten take at least: others may have waited for a
-computer that is busy, which is no fault of the answer."""
+"""The limit for all calls of a case together, in seconds.
+
+Each call counts with the time that nine of ten calls exceed: the others may have waited for a busy computer.
+"""
 
 
 _ENDS = 20
-"""How often a call is ended at most: a ``try`` in it may take one."""
+"""The highest number of attempts to end a call: a ``try`` in it may catch one."""
 
 
 class WrongError(Exception):
-    """What is wrong with an answer, in words for the person who wrote it, and what to do, if that is not in them.
+    """A fault of an answer, explained to the student, with advice if the explanation does not contain it.
 
     Args:
-        text: English, with a field in braces for each value: as `say` takes it.
-        advice: what to do, in the language of the lesson.
+        text: English, with a field in braces for each value, as for `say`.
+        advice: advice in the language of the lesson.
 
     Attributes:
-        fault: `text`, by which the same fault is known in all languages.
+        fault: `text`, which identifies the fault in all languages.
     """
 
     def __init__(self, text: str, *, advice: str = "", **values: Any) -> None:
@@ -44,18 +46,18 @@ class WrongError(Exception):
 
 
 class BrokenError(WrongError):
-    """The function gives no answer, or none of the right kind, so that there is no use in trying other cases."""
+    """The function gives no answer, or an answer of a wrong kind, so that other cases need not be tried."""
 
 
 class Bounded:
-    """Calls functions of a person within limits of time, and keeps what they print and which hints they get.
+    """A caller of students' functions with limits of time. It keeps their prints and the hints that they get.
 
     Args:
-        clock: seconds, from any start.
+        clock: returns seconds from any start.
 
     Attributes:
-        prints: the last lines that they printed.
-        hints: those that they got since `begin_case`.
+        prints: the last lines that the functions printed.
+        hints: the hints since `begin_case`.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -65,15 +67,15 @@ class Bounded:
         self._took: list[float] = []
 
     def begin_case(self) -> None:
-        """Begin to count the calls and the time of another case."""
+        """Reset the calls, their time and the hints for another case."""
         self._took.clear()
         self.hints.clear()
 
     def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """The same function, with `BrokenError` for what it raises, and where it or the case takes too long.
+        """Return the function wrapped so that it raises `BrokenError` for any exception, or if it or the case is late.
 
-        Each call runs in a thread of its own. One that is given up is ended at its next line of Python; one that waits
-        inside of a library stays until it returns.
+        Each call runs in a new thread. A late call is ended at its next line of Python. A call that waits inside a
+        library stays until it returns.
         """
 
         @wraps(function)
@@ -100,7 +102,7 @@ class Bounded:
         return within_limit
 
     def _run(self, thread: UserThread, function: Callable[..., Any]) -> None:
-        """Start the thread of a call and wait for it; end it where it takes too long."""
+        """Start the thread of a call and wait for it; end it if it takes too long."""
         passed, looked_at = 0.0, self._clock()
         thread.start()
         is_over = False
@@ -111,7 +113,7 @@ class Bounded:
             passed += min(looked_at - before, ANSWER.max_gap)
         self._took.append(passed)
         if not is_over:
-            at_work = getattr(function, "current", function)  # of a state machine: the function of the user
+            at_work = getattr(function, "current", function)  # a state machine has its running function in `current`
             line = line_of(at_work, frames_of(thread)).removeprefix(", ")
             self._end(thread)
             where = f"{line}: " if line else ""
@@ -131,7 +133,7 @@ class Bounded:
             )
 
     def _end(self, thread: UserThread) -> None:
-        """End a thread, which would take the processor from all others; again where a bare ``except:`` took the end."""
+        """End a thread, which would slow down all others. Repeat this if a bare ``except:`` caught the end."""
         for _ in range(_ENDS):
             thread.end()
             thread.join(ANSWER.grace / _ENDS)
@@ -147,39 +149,39 @@ class Bounded:
 
 
 def call(function: Callable[..., Any], sample: Any) -> Any:
-    """What a function returns for a sample; BrokenError for None."""
+    """Return the result of a function for a sample; BrokenError for None."""
     returned = function(sample)
     if returned is None:
-        raise BrokenError("it returned None: does it end with a return, on every way through it?")
+        raise BrokenError("it returned None: does every path through it end with a return?")
     return returned
 
 
 def number(answer: Any, what: str) -> float:
-    """An answer as a float; BrokenError where it is none."""
+    """Return an answer as a float; BrokenError if it is not a number."""
     try:
         if isinstance(answer, (str, bytes, bool)):
             raise TypeError
         return float(answer)
-    except Exception:  # 10**400, and whatever an object of the answer's own raises
+    except Exception:  # for 10**400, and any exception of an object that the answer defines
         raise BrokenError(
             "it returned {answer}: expected a number, the {what}", answer=shown(answer), what=what
         ) from None
 
 
 def yes_or_no(answer: Any) -> bool:
-    """An answer as True or False, NumPy's too; BrokenError where it is neither."""
+    """Return an answer as True or False, also from NumPy; BrokenError if it is neither."""
     try:
         if answer in (True, False):
             return bool(answer)
-    except Exception:  # an array has no truth of its own
+    except Exception:  # an array is neither true nor false
         pass
     raise BrokenError("it returned {answer}: expected True or False", answer=shown(answer))
 
 
 def pair(answer: Any, what: str) -> tuple[float, float]:
-    """An answer as two floats; BrokenError where it is no pair."""
+    """Return an answer as two floats; BrokenError if it is not a pair."""
     try:
-        if isinstance(answer, Iterator):  # one with yield, of which nothing has run yet
+        if isinstance(answer, Iterator):  # a generator, which has not run yet
             raise TypeError
         first, second = answer
     except Exception:
@@ -190,7 +192,7 @@ def pair(answer: Any, what: str) -> tuple[float, float]:
 
 
 def beyond(value: float, low: float = -inf, high: float = inf, least: int = 2) -> str:
-    """A number beyond limits, with as many decimals as it takes to see that: 0.297 is not "0.30" below 0.3."""
+    """Format a number beyond limits with enough decimals to show it: 0.297 is not "0.30" if the limit is 0.3."""
     texts = (f"{value:.{decimals}f}" for decimals in range(least, 7))
     return next((text for text in texts if not low <= float(text) <= high), f"{value:g}")
 
@@ -199,6 +201,6 @@ def shown(answer: Any) -> str:
     """Return an answer as text of one short line."""
     try:
         text = repr(answer)
-    except Exception:  # also of 10**5000
+    except Exception:  # also for 10**5000
         text = f"an object of {type(answer).__name__}"
     return f"{text[:60]}…" if len(text) > 60 else text

@@ -19,19 +19,19 @@ from ._texts import say
 Answer = Callable[..., Any]
 
 MOTORS = Motors(max_linear=MAX_LINEAR, max_angular=MAX_ANGULAR)
-"""Of the robots that answers drive: faster speeds are cut as on a live robot."""
+"""The motors of the robots that answers drive. They limit the speed as a live robot does."""
 
 _EXACT_M = 0.02
 _SAME_M = 0.001
-"""Metres within which a distance is taken for that of a ray."""
+"""Metres within which a distance counts as the distance of a ray."""
 _EDGE_RAD = 0.001
 """Radians from the edge of a sector within which a ray may count or not."""
 _BESIDE_M = 0.1
-"""Metres beyond the distance asked for within which a robot may have stopped for something beside its way."""
+"""Metres beyond the required distance within which a robot may have stopped for something next to its path."""
 
 
 class Case(NamedTuple):
-    """One case of a task: its title, a sample to look at, and what raises `WrongError` for a wrong answer."""
+    """One case of a task: its title, a sample to look at, and a judge that raises `WrongError` for a wrong answer."""
 
     title: str
     sample: Any
@@ -39,13 +39,13 @@ class Case(NamedTuple):
 
 
 def nearest_in(sector: SectorLike, title: str, scan: Scan, hint: str) -> Case:
-    """Whether an answer is the distance of the nearest thing in a sector, in metres.
+    """Return a case that expects the distance of the nearest thing in a sector, in metres.
 
     Args:
         sector: the sector.
-        title: of the case.
-        scan: its sample.
-        hint: what to do, for an answer that took another ray.
+        title: the title of the case.
+        scan: the sample of the case.
+        hint: advice for an answer that used another ray.
     """
     expected, ray = scan.distance(sector), scan.nearest(sector)
     right = _with_and_without_edges(scan, sector)
@@ -56,7 +56,7 @@ def nearest_in(sector: SectorLike, title: str, scan: Scan, hint: str) -> Case:
             origin, advice = _origin(given, scan, sector, hint)
             if ray is None:
                 raise WrongError(
-                    "you returned {given:.4g}; nothing is in range, which is inf{origin}",
+                    "you returned {given:.4g}; nothing is in range, so the distance is inf{origin}",
                     given=given,
                     origin=origin,
                     advice=advice,
@@ -74,7 +74,7 @@ def nearest_in(sector: SectorLike, title: str, scan: Scan, hint: str) -> Case:
 
 
 def _with_and_without_edges(scan: Scan, sector: SectorLike) -> set[float]:
-    """Return the nearest distances in a sector with and without the rays on its edges, which rounding may leave out."""
+    """Return the nearest distances in a sector with and without the rays on its edges, which depend on rounding."""
     between = to_sector(sector)
     return {
         scan.distance((between.start + start, between.end + end))
@@ -83,32 +83,32 @@ def _with_and_without_edges(scan: Scan, sector: SectorLike) -> set[float]:
 
 
 def _origin(given: float, scan: Scan, sector: SectorLike, hint: str) -> tuple[str, str]:
-    """Where a wrong distance comes from, as far as the scan tells, and what to do then."""
+    """Return the likely source of a wrong distance in the scan, and advice."""
     if isnan(given):
-        return "", hint if scan.nearest(sector) is None else say("nan is no distance: scan.distance() leaves it out")
+        return "", hint if scan.nearest(sector) is None else say("nan is not a distance: scan.distance() ignores it")
     if isinf(given):
-        return "", say("inf says that nothing is in range")
+        return "", say("inf means that nothing is in range")
     found = np.flatnonzero(np.abs(scan.ranges - np.float32(given)) <= _SAME_M)
     if not found.size:
-        return say(". No ray says {given:.4g}", given=given), say("Is it computed from the scan?")
+        return say(". No ray has the range {given:.4g}", given=given), say("Is it computed from the scan?")
     inside = np.intersect1d(found, scan.indices(sector))
     index = int(inside[0] if inside.size else found[0])
     angle = degrees(scan[index].angle)
-    return say(". ranges[{index}], at {angle:.0f}°, says that", index=index, angle=angle), hint
+    return say(". That is ranges[{index}], at {angle:.0f}°", index=index, angle=angle), hint
 
 
 def touches(robot: Robot) -> bool:
-    """Whether any bumper of a robot is touched."""
+    """Return True if any bumper of a robot is touched."""
     return any(robot.touch().touched.values())
 
 
 def why_hit(robot: Robot, else_: str) -> str:
-    """Why a robot hit what is in its way: because the ray straight ahead misses that, or for another reason."""
+    """Return why a robot hit an obstacle: the ray straight ahead missed it, or the given other reason."""
     scan = robot.scan()
     ahead, near = scan.at(0.0), scan.nearest(("-90deg", "90deg"))
     if ahead and near and ahead.range > near.range + 0.3:
         return say(
-            "it is at {angle:.0f}°, and the ray straight ahead passes it: one ray is not enough, take a sector as wide "
+            "it is at {angle:.0f}°, and the ray straight ahead misses it: one ray is not enough, take a sector as wide "
             "as the robot",
             angle=degrees(near.angle),
         )
@@ -116,7 +116,7 @@ def why_hit(robot: Robot, else_: str) -> str:
 
 
 def check_rest(robot: Robot, start: Pose, ahead: float, low: float, high: float) -> None:
-    """`WrongError` unless a robot has come to rest between two distances from what is ahead, at an x in metres."""
+    """Raise `WrongError` unless a robot stands between two distances from an obstacle ahead, at an x in metres."""
     left, speed = ahead - robot.pose.x, robot.speed().linear[0]
     if robot.pose == start:
         raise WrongError(
@@ -125,7 +125,7 @@ def check_rest(robot: Robot, start: Pose, ahead: float, low: float, high: float)
     if abs(speed) > 0.02:
         shown = beyond(speed, -0.02, 0.02)
         raise WrongError(
-            "after {seconds:.0f} s it still drives with {speed} m/s, {left:.2f} m from what is ahead",
+            "after {seconds:.0f} s it still drives at {speed} m/s, {left:.2f} m from what is ahead",
             seconds=robot.time,
             speed=shown,
             left=left,
@@ -137,7 +137,7 @@ def check_rest(robot: Robot, start: Pose, ahead: float, low: float, high: float)
             why = say("drive closer")
             if near is not None and near.range <= high + _BESIDE_M and abs(sin(near.angle)) * near.range > robot.radius:
                 why = say(
-                    "drive closer; or, if it stopped for what is at {angle:.0f}°, next to its way, take a narrower "
+                    "drive closer; or, if it stopped for something at {angle:.0f}°, next to its path, take a narrower "
                     "sector",
                     angle=degrees(near.angle),
                 )

@@ -22,25 +22,25 @@ TASKS: dict[str, Callable[[], Sequence[Case]]] = {
         *(wall_ahead, stop_before_wall, follow_wall, back_off),
     )
 }
-"""By the name that the answer has, in the order of the two lessons."""
+"""The tasks by the name of their answer, in the order of the two lessons."""
 
 
 def check(function: Callable[..., Any], task: str | None = None) -> Result:
     """Check the answer to a task: a function, or a program or state machine that drives the simulated robot.
 
-    It never raises what the function raises. A step has half a second, as on a live robot, and all steps of a case have
-    10 s of the computer's time together. What the function prints is kept: the last three lines are in the result.
-    After `progress` the result is kept, and said in the language of the lesson.
+    Errors of the function appear in the result and are not raised. A step may take half a second, as on a live robot,
+    and all steps of a case together 10 s of the computer's time. The result contains the last three lines that the
+    function printed. After `progress`, the result is saved, and is in the language of the lesson.
 
     Args:
         function: ``nearest_on_the_left(scan)``, ``fits_through(scan)``, ``stop_at_wall(scan)``,
-            ``bumper_reflex(touch)`` or ``slow_in_doorway(scan)``; the lessons tell what each returns. Or
-            ``wall_ahead(scan)``; or a program, or the class of a state machine, for the tasks ``stop_before_wall``,
-            ``follow_wall`` and ``back_off``.
-        task: its name; None: the name of the function.
+            ``bumper_reflex(touch)``, ``slow_in_doorway(scan)`` or ``wall_ahead(scan)``; the lessons explain what each
+            returns. For the tasks ``stop_before_wall``, ``follow_wall`` and ``back_off``, a program or the class of a
+            state machine.
+        task: the name of the task, or None for the name of the function.
 
     Raises:
-        TypeError: it is no function.
+        TypeError: it is not a function.
         ValueError: no task has this name.
 
     Examples:
@@ -60,7 +60,7 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
 
 
 class Caller(Protocol):
-    """Calls an answer, and knows what it printed and which hints it got."""
+    """A caller of an answer, with the prints and the hints of the calls."""
 
     prints: Prints
     hints: list[str]
@@ -69,12 +69,12 @@ class Caller(Protocol):
         """Begin another case."""
 
     def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """Return the function as it is called, which raises `WrongError` alone."""
+        """Return the function to call, which raises only `WrongError`."""
 
 
 def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bounded: Caller) -> Result:
-    """The result of a function on some cases, within limits."""
-    right, wrong, told = 0, list[str](), set[str]()
+    """Return the result of a function on some cases, within limits."""
+    right, wrong, given = 0, list[str](), set[str]()
     sample, fault = None, ""
     for case in cases:
         bounded.begin_case()
@@ -82,10 +82,10 @@ def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bound
         if error is None:
             right += 1
             continue
-        hints = dict.fromkeys(bounded.hints)  # who gets one need not look for what else may be wrong
-        advice = [f"{hint[0].upper()}{hint[1:]}" for hint in hints if hint not in told]
+        hints = dict.fromkeys(bounded.hints)  # a hint replaces the advice of the error
+        advice = [f"{hint[0].upper()}{hint[1:]}" for hint in hints if hint not in given]
         advice += [error.advice] if error.advice and not hints else []
-        told.update(hints)
+        given.update(hints)
         wrong.append(". ".join((f"{case.title}: {error}", *advice)))
         sample, fault = (case.sample if sample is None else sample), fault or error.fault
         if isinstance(error, BrokenError):
@@ -96,7 +96,7 @@ def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bound
 
 
 def example(name: str) -> Any:
-    """A scan, or a touch, as a task gives them to its answer, for looking at it.
+    """Return a scan or a touch as the task gives it to its answer, to look at it.
 
     Raises:
         ValueError: no task has this name.
@@ -117,7 +117,7 @@ def _error_of(case: Case, function: Callable[..., Any], bounded: Caller) -> Wron
 
 
 def _note_of(function: Callable[..., Any]) -> str:
-    """Return what the author of a state machine may have meant otherwise, or nothing."""
+    """Return hints on likely mistakes in a state machine, or an empty text."""
     try:
         answer = function_of(function)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Marks: the answers of each submission run in a process of their own, and are judged here."""
+"""Marks: the answers of each submission run in a separate process, and are judged in this process."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ KIND = "robowidgets grades"
 NO_ANSWER = "it has no answer to a task"
 
 _ANSWER_S = 5.0
-"""Seconds after which an answer that has not come is given up. The grader may be busy: it is more than a step has."""
+"""Seconds to wait for an answer: more than the limit of a step, because the grader's computer may be busy."""
 _LARGEST = 20_000_000
-"""Bytes of a notebook that is read."""
+"""The largest notebook to read, in bytes."""
 _PROGRAMS = ("stop_before_wall", "follow_wall", "back_off")
 _CHECK = re.compile(r"lessons\.check\(\s*(\w+)\s*(?:,\s*(?:task\s*=\s*)?[\"'](\w+)[\"']\s*)?,?\s*\)")
 
 
 class Submission(NamedTuple):
-    """What a student handed in: cells with code, and the answers that each checks; or why there is none."""
+    """A submission of a student: cells with code, the answers that each cell checks, or the problem with it."""
 
     cells: list[str]
     checks: list[list[tuple[str, str]]]
@@ -50,7 +50,7 @@ class Submission(NamedTuple):
 
 
 class Grade(NamedTuple):
-    """The marks of a student, and what was wrong with the submission as a whole; empty if nothing was."""
+    """The marks of a student, and the problem with the submission as a whole, or an empty text."""
 
     tasks: dict[str, Task]
     problem: str = ""
@@ -66,10 +66,11 @@ def mark(
     """Run all submissions in a folder, and return the marks by student.
 
     Args:
-        folder: with notebooks and reports, at any depth.
-        user: the user as whom answers run, who should have no rights; None: the one who grades. Others need root.
-        seconds: after which an answer is given up.
-        tell: takes a line for each submission.
+        folder: a folder with notebooks and reports, at any depth.
+        user: the user that runs the answers, preferably without rights, or None for the present user. Any other user
+            needs root.
+        seconds: the time to wait for an answer.
+        tell: receives a line for each submission.
     """
     grades: dict[str, Grade] = {}
     for name, file in submissions(folder):
@@ -82,7 +83,7 @@ def mark(
         tell(f"{name}: {sum(task.done for task in grades[name].tasks.values())} of {len(TASKS)} right")
     for place in sorted(folder.iterdir()):
         if place.is_dir() and not place.name.startswith(".") and encodable(place.name) not in grades:
-            grades[encodable(place.name)] = Grade({}, "there is no notebook and no report in the folder")
+            grades[encodable(place.name)] = Grade({}, "the folder contains neither a notebook nor a report")
     return grades
 
 
@@ -91,7 +92,7 @@ def _is_done(task: Task | None) -> bool:
 
 
 def submissions(folder: Path) -> Iterator[tuple[str, Path]]:
-    """The files that were handed in, each with the name of its student, by name."""
+    """Yield the submitted files with the names of their students, sorted by path."""
     files = sorted(file.relative_to(folder) for suffix in ("ipynb", "json") for file in folder.rglob(f"*.{suffix}"))
     for file in files:
         if (
@@ -104,12 +105,12 @@ def submissions(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def is_there(file: Path) -> bool:
-    """Return True if a path is a file itself: a link may lead anywhere."""
+    """Return True if a path is a file and not a link, which may lead anywhere."""
     return file.is_file() and not file.is_symlink()
 
 
 def read_submission(file: Path) -> Submission:
-    """Return the answers in a notebook or a report; nothing in it is run."""
+    """Return the answers in a notebook or a report, without running anything in it."""
     if file.suffix == ".json":
         try:
             tasks = read(file)
@@ -153,14 +154,14 @@ def _last_defined(cell: str) -> str:
 
 
 def _task_name(cell: str, before: str, name: str, task: str) -> str:
-    """Return the name of a task; a class answers the one for state machines."""
+    """Return the name of a task; for a class, the name of the task for state machines."""
     is_class = re.search(rf"^class {re.escape(name)}\b", f"{before}\n{cell}", re.MULTILINE) is not None
     return f"{task}{AS_STATES}" if is_class and f"{task}{AS_STATES}" in TASKS else task
 
 
 def _run(found: Submission, user: str | int | None, seconds: float) -> Grade:
     with tempfile.TemporaryDirectory(prefix="robowidgets-grade-") as place:
-        os.chmod(place, 0o777)  # the user without rights works in it, and in nothing else
+        os.chmod(place, 0o777)  # the only place where the user without rights can write
         tasks: dict[str, Task] = {}
         process = _Process(found, Path(place), user, seconds)
         problem = ""
@@ -168,7 +169,7 @@ def _run(found: Submission, user: str | int | None, seconds: float) -> Grade:
             for task in TASKS:
                 if task not in found.texts:
                     continue
-                if process.ended:  # by the answer before: the others get a process of their own
+                if process.ended:  # by the previous answer: the next one gets a new process
                     process.close()
                     process = _Process(found, Path(place), user, seconds)
                 result = _judge(process, task)
@@ -198,7 +199,7 @@ def _judge(process: _Process, task: str) -> Result:
 
 
 class _Remote:
-    """An answer in another process, as `judged` calls it: in place of `Bounded`, which is for answers in this one."""
+    """An answer in another process, for `judged`. It replaces `Bounded`, which calls answers in this process."""
 
     def __init__(self, process: _Process, task: str, *, is_program: bool) -> None:
         self.prints, self.hints = Prints(), list[str]()
@@ -206,7 +207,7 @@ class _Remote:
         self._asks_for = process.ask("begin", task, is_program)
 
     def begin_case(self) -> None:
-        """Begin anew, with an empty state."""
+        """Start the answer again, with an empty state."""
         self._process.ask("begin", self._task, self._is_program)
 
     def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -238,7 +239,7 @@ class _Other:
 
 
 def _value(reply: Any) -> Any:
-    """Return the answer in a reply, which another process wrote: it may be anything."""
+    """Return the answer in a reply of another process, which may contain anything."""
     if isinstance(reply, dict):
         kind, values = reply.get("kind"), reply.get("values")
         with suppress(TypeError, ValueError, OverflowError):
@@ -261,7 +262,7 @@ class _Process:
     """The process of one submission.
 
     Attributes:
-        ended: why it ended before its time; empty while it runs.
+        ended: the reason if it ended unexpectedly; empty otherwise.
     """
 
     def __init__(self, found: Submission, place: Path, user: str | int | None, seconds: float) -> None:
@@ -290,13 +291,13 @@ class _Process:
         self._lines.put(b"")
 
     def ask(self, act: str, *rest: Any) -> Any:
-        """Return the reply to a message; BrokenError if an answer raised, or none comes."""
+        """Return the reply to a message; BrokenError if an answer raised an error or no reply comes."""
         if not self._is_loaded:
             self._is_loaded = True
-            there = self._ask("load", *self._loads, seconds=max(self._seconds, _START_S))
-            self._there = there if isinstance(there, list) else []
-        if act == "begin" and rest[0] not in self._there:
-            raise BrokenError("its cell gives no such function: it raised an error, or is not written in Python")
+            loaded = self._ask("load", *self._loads, seconds=max(self._seconds, _START_S))
+            self._loaded = loaded if isinstance(loaded, list) else []
+        if act == "begin" and rest[0] not in self._loaded:
+            raise BrokenError("its cell does not define this function: it raised an error, or is not valid Python")
         reply = self._ask(act, *rest, seconds=self._seconds)
         if isinstance(reply, dict) and "error" in reply:
             error = encodable(str(reply["error"]))
@@ -341,7 +342,7 @@ class _Process:
                 self._process.kill()
 
     def close(self) -> None:
-        """End it, with all that it started."""
+        """End the process and the processes that it started."""
         self._kill()
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
@@ -352,20 +353,20 @@ class _Process:
 
 _SERVE = "import sys; sys.path[:] = {path!r}; from robowidgets.lessons._answers import serve; serve({ids!r})"
 _START_S = 60.0
-"""Seconds that the start of a process may take."""
+"""Seconds that a process may take to start."""
 
 
 def _import_path() -> list[str]:
-    """Return where modules are found, without the folder of the submissions: one there may be called `types.py`."""
-    own = [entry for entry in import_path() if entry and Path(entry).absolute() != Path.cwd()]
-    return [*own, str(Path(__file__).parents[2])]
+    """Return the import path without the folder of the submissions, which may contain a file such as `types.py`."""
+    kept = [entry for entry in import_path() if entry and Path(entry).absolute() != Path.cwd()]
+    return [*kept, str(Path(__file__).parents[2])]
 
 
 def _ids_of(user: str | int) -> tuple[int, int]:
-    """Return the numbers of a user and its group.
+    """Return the ids of a user and its group.
 
     Raises:
-        KeyError: there is no such user. PermissionError: this process may not be another user.
+        KeyError: the user does not exist. PermissionError: this process may not become another user.
     """
     import pwd
 

@@ -1,4 +1,4 @@
-"""The tasks of the lesson on programs, each of which drives the simulated robot as fast as the computer can."""
+"""The tasks of the lesson on programs, which drive the simulated robot as fast as the computer can."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _WALL_AHEAD = (2.5, -4.0, 2.5, 4.0)
 
 
 def wall_ahead() -> Sequence[Case]:
-    """Metres to the nearest thing within 20 degrees of forward."""
+    """Return the cases for the metres to the nearest thing within 20 degrees of forward."""
     world = World([_WALL_AHEAD])
     left, right = (World([_WALL_AHEAD, (-1.0, y, 2.5, y)]) for y in (0.4, -0.4))
     inside = [World([_WALL_AHEAD], [_post(angle)]) for angle in (19, -19)]
@@ -65,7 +65,7 @@ def wall_ahead() -> Sequence[Case]:
 
 
 def _post(angle: float) -> tuple[float, float, float]:
-    """Return an obstacle 1.2 m away, at an angle in degrees, which covers less than one degree."""
+    """Return an obstacle 1.2 m away, at an angle in degrees, that covers less than one degree."""
     return 1.2 * cos(radians(angle)), 1.2 * sin(radians(angle)), 0.01
 
 
@@ -73,7 +73,7 @@ def _post(angle: float) -> tuple[float, float, float]:
 
 
 def stop_before_wall() -> Sequence[Case]:
-    """Come to rest 0.5 m from the wall ahead."""
+    """Return the cases for stopping 0.5 m before the wall ahead."""
     beside, other = (1.0, 0.3, 2.5, 0.3), (1.0, -0.3, 2.5, -0.3)
     left, right = (1.5, 0.05, 0.02), (1.5, -0.05, 0.02)
     return [
@@ -82,7 +82,7 @@ def stop_before_wall() -> Sequence[Case]:
         _stop(say("a wall ahead and one close on the right"), World([_WALL_AHEAD, other]), _WALL_AHEAD[0]),
         _stop(say("a chair leg ahead, to the left"), World([_WALL_AHEAD], [left]), left[0] - left[2]),
         _stop(say("a chair leg ahead, to the right"), World([_WALL_AHEAD], [right]), right[0] - right[2]),
-        _blind(say("a covered scanner, which sends NaN alone")),
+        _blind(say("a covered scanner, which sends only NaN")),
     ]
 
 
@@ -92,7 +92,7 @@ def _stop(title: str, world: World, ahead: float) -> Case:
         start = robot.pose
         for _ in _steps(answer, robot, 25):
             if touches(robot):
-                why = why_hit(robot, say("return Drive() where something is near ahead"))
+                why = why_hit(robot, say("return Drive() if something is near ahead"))
                 raise WrongError("it hit what is ahead at {seconds:.1f} s: {why}", seconds=robot.time, why=why)
         check_rest(robot, start, ahead, 0.4, 0.6)
 
@@ -100,7 +100,7 @@ def _stop(title: str, world: World, ahead: float) -> Case:
 
 
 class _Covered(Robot):
-    """A robot whose scanner can be covered, and sends NaN alone then."""
+    """A robot whose scanner can be covered, so that it sends only NaN."""
 
     is_covered = False
 
@@ -110,7 +110,7 @@ class _Covered(Robot):
 
 
 def _blind(title: str, seconds: float = 0.0) -> Case:
-    """Whether an answer stands still while the scanner is covered, after some seconds of driving."""
+    """Return a case that expects a standstill while the scanner is covered, after some seconds of driving."""
     world = World([_WALL_AHEAD])
 
     def covered() -> _Covered:
@@ -138,12 +138,12 @@ def _blind(title: str, seconds: float = 0.0) -> Case:
 
 
 def follow_wall() -> Sequence[Case]:
-    """Drive to the wall, turn left, and drive on with the wall on the right, round the corners of a room."""
+    """Return the cases for driving to the wall, turning left, and driving on with the wall on the right."""
     room = [(-2.5, -2.5, 2.5, -2.5), (2.5, -2.5, 2.5, 2.5), (2.5, 2.5, -2.5, 2.5), (-2.5, 2.5, -2.5, -2.5)]
     return [
         _follow(say("a wall ahead"), World([(2.5, -4.0, 2.5, 9.0)]), 30),
         _follow(say("the corners of a room"), World(room), 60),
-        _blind(say("a covered scanner, which sends NaN alone")),
+        _blind(say("a covered scanner, which sends only NaN")),
         _blind(say("a scanner that is covered on the way"), 20),
     ]
 
@@ -161,15 +161,15 @@ def _follow(title: str, world: World, seconds: float) -> Case:
                 arrived, way = robot.time, 0.0
             if robot.time > arrived + 5 and not 0.3 <= distance <= 0.7:
                 raise WrongError(
-                    "at {seconds:.1f} s the wall is {away} m away, not 0.3 to 0.7 m: turn right where it is far"
+                    "at {seconds:.1f} s the wall is {away} m away, not 0.3 to 0.7 m: turn right when it is far"
                     if distance > 0.7
-                    else "at {seconds:.1f} s the wall is {away} m away, not 0.3 to 0.7 m: turn left where it is near",
+                    else "at {seconds:.1f} s the wall is {away} m away, not 0.3 to 0.7 m: turn left when it is near",
                     seconds=robot.time,
                     away=beyond(distance, 0.3, 0.7),
                 )
         if arrived == inf:
             raise WrongError(
-                "after {seconds:g} s it has not come to the wall: drive on while there is room ahead", seconds=seconds
+                "after {seconds:g} s it has not reached the wall: drive on while there is room ahead", seconds=seconds
             )
         expected = 0.1 * (seconds - arrived)
         if way < expected:
@@ -189,7 +189,7 @@ def _follow(title: str, world: World, seconds: float) -> Case:
 
 
 def back_off() -> Sequence[Case]:
-    """Drive back from what was bumped into, turn, and drive on."""
+    """Return the cases for driving back after a bump, turning, and driving on."""
     hall = World([(4.0, -4.0, 4.0, 4.0)])
     return [
         _bump(say("a low box ahead"), hall, (1.2, 0.0, 0.1)),
@@ -199,13 +199,13 @@ def back_off() -> Sequence[Case]:
 
 
 _TURNED = 0.3
-"""Radians from the way on which it bumped, after which a robot has turned away from a box."""
+"""Radians from the direction of the bump, after which a robot has turned away from a box."""
 _WENT_ON = 1.0
-"""Metres forward after which it has driven on."""
+"""Metres forward after which a robot has driven on."""
 
 
 class _Overlooked(Robot):
-    """A robot whose scanner looks over the obstacles, which are lower."""
+    """A robot whose scanner looks over an obstacle, which is lower."""
 
     def __init__(self, world: World, obstacle: tuple[float, float, float]) -> None:
         super().__init__(world.with_obstacles([obstacle]), motors=MOTORS, seed=15)
@@ -240,7 +240,7 @@ def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
             if bumps > 3:
                 raise WrongError("it bumped into the same box for the fourth time: after driving back, turn for longer")
         if not bumps:
-            raise WrongError("it did not come to the box within 30 s: drive on while there is room ahead")
+            raise WrongError("it did not reach the box within 30 s: drive on while there is room ahead")
         if turned < _TURNED:
             raise WrongError("it did not turn after it bumped into the box: drive back, then turn, then drive on")
         if went < _WENT_ON:
@@ -248,7 +248,7 @@ def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
                 "after it turned it drove only {way:.1f} m forward: after driving back and turning, drive on", way=went
             )
         if dist(robot.pose[:2], box[:2]) < 0.8:
-            raise WrongError("30 s later it is still beside the box: after driving back, turn, and drive on")
+            raise WrongError("after 30 s it is still next to the box: after driving back, turn, and drive on")
 
     return Case(title, _Overlooked(world, box).scan(), judge)
 
@@ -257,9 +257,9 @@ def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
 
 
 def _steps(program: Any, robot: Robot, seconds: float) -> Iterator[None]:
-    """Have a program drive a robot; `BrokenError` where it is no program, or never drives."""
+    """Run a program on a robot step by step; `BrokenError` if it is not a program, or never drives."""
     start, states = robot.pose, set[str]()
-    machine = getattr(program, "__wrapped__", program)  # within its limits
+    machine = getattr(program, "__wrapped__", program)  # the machine inside the wrapper of `Bounded.of`
     try:
         for step in simulate(program, robot, seconds):
             states.update(machine.active if isinstance(machine, Machine) else step.active)
@@ -273,8 +273,8 @@ def _steps(program: Any, robot: Robot, seconds: float) -> Iterator[None]:
         raise BrokenError("{error}", error=error) from None
     if robot.pose == start and seconds > 10 and len(states) == 1:
         raise BrokenError(
-            "it did not move in {seconds:g} s: it begins in the state {state}, the first in its class, and no move led "
-            "out of it",
+            "it did not move in {seconds:g} s: it begins in the state {state}, the first in its class, and never left "
+            "this state",
             seconds=seconds,
             state=spelled(states.pop()),
         )

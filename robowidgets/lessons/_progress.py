@@ -1,4 +1,4 @@
-"""How far a student is: kept in a file beside the notebook, shown in a line, and handed in as a report."""
+"""The progress of a student: saved in a file next to the notebook, shown in a line, and handed in as a report."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ TASKS = (
     *("wall_ahead", "stop_before_wall", "follow_wall", "back_off"),
     *(f"{task}{AS_STATES}" for task in ("stop_before_wall", "follow_wall", "back_off")),
 )
-"""All tasks of the lessons in their order; those that are answered by a program and by a state machine are two."""
+"""All tasks of the lessons in order. A task for both a program and a state machine counts as two."""
 
 LONGEST_TEXT, LONGEST_ANSWER, LONGEST_FILE = 500, 4000, 1_000_000
-"""Characters that are kept of a text and of an answer, and bytes of a file that is read."""
+"""The limits for saved texts and answers in characters, and for files to read in bytes."""
 
 _GIVEN = frozenset(
     [
@@ -50,14 +50,14 @@ _GIVEN = frozenset(
         "cdaac3c68026",
     ]
 )
-"""Fingerprints of the answers as the lessons give them: checking one unchanged is no try."""
+"""The fingerprints of the answers in the lessons. Checking an unchanged answer does not count as a try."""
 
 
 class ReportError(ValueError):
-    """A file is no report of a student, or a damaged one; says what is wrong with it, in the language of the lesson.
+    """A file is not a report of a student, or it is damaged. The text explains it in the language of the lesson.
 
     Args:
-        text: English, with a field in braces for each value: as `say` takes it.
+        text: English, with a field in braces for each value, as for `say`.
     """
 
     def __init__(self, text: str, **values: Any) -> None:
@@ -66,16 +66,16 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class Task:
-    """How far a student is with one task.
+    """The progress of a student with one task. For a done task, the saved answer is the right one.
 
     Attributes:
-        tries: different answers that were checked, up to the first that was right.
-        done: whether one was right.
-        first, last: when the first one was checked, and the one that is kept: of a done task the right one.
-        right, cases: in how many of its cases the one that is kept is right.
-        fault: what was wrong in the first wrong case, the same in all languages.
-        wrong: the line on that, in the language of the lesson.
-        answer: the text of the cell with the one that is kept.
+        tries: the number of different answers that were checked, up to the first right answer.
+        done: True if an answer was right.
+        first, last: the times when the first answer and the saved answer were checked.
+        right, cases: the number of right cases and of all cases for the saved answer.
+        fault: the fault of the first wrong case, the same text in all languages.
+        wrong: the line about that fault, in the language of the lesson.
+        answer: the text of the cell with the saved answer.
     """
 
     tries: int = 0
@@ -90,7 +90,7 @@ class Task:
 
 
 class LessonProgress:
-    """How many tasks are done, as a line that follows the checks.
+    """A line with the number of tasks that are done. Each check updates it.
 
     Attributes:
         tasks: the names of all tasks, in the order of the lessons.
@@ -110,12 +110,12 @@ class LessonProgress:
 
     @property
     def done(self) -> tuple[str, ...]:
-        """The names of the tasks that are done, in the order of the lessons; as last read where that fails now."""
+        """The names of the done tasks, in the order of the lessons; the names last read if the file cannot be read."""
         try:
             kept = self._read()
             self._done = tuple(task for task in TASKS if task in kept and kept[task].done)
         except OSError as error:
-            self._problem = say("It cannot be kept: {error}", error=error)
+            self._problem = say("It cannot be saved: {error}", error=error)
         return self._done
 
     def __repr__(self) -> str:
@@ -126,20 +126,20 @@ class LessonProgress:
         return self._line._repr_mimebundle_(**kwargs)
 
     def keep(self, task: str, answer: str, result: Result) -> None:
-        """Keep the result of a check, and show it in the line, which also says what cannot be kept."""
+        """Save the result of a check, and update the line, which also shows an error of saving."""
         self._problem = ""
         try:
             self._keep(task, answer, result)
         except OSError as error:
-            self._problem = say("It cannot be kept: {error}", error=error)
+            self._problem = say("It cannot be saved: {error}", error=error)
         self._show()
 
     def _keep(self, task: str, answer: str, result: Result) -> None:
         kept = self._read()
         before = kept.get(task, Task())
-        # nbgrader copies the student's file beside the notebook that it grades: there only what is graded counts.
+        # nbgrader copies the student's file to the notebook that it grades, where only the graded answers count.
         stays_done = before.done and os.environ.get("NBGRADER_EXECUTION") != "autograde"
-        # What one task gives may be the right answer to the one before it.
+        # A given answer is saved only if it is right: it may be the right answer to the previous task.
         if not result and (stays_done or (not before.done and fingerprint(answer) in _GIVEN)):
             return
         now = self._now().isoformat(timespec="seconds")
@@ -158,12 +158,12 @@ class LessonProgress:
         write(self._file, kept)
 
     def report(self, file: Path) -> int:
-        """Write what is kept as a report; returns how many tasks are done. `OSError` where either file fails."""
+        """Write the saved tasks as a report. Return the number of done tasks; `OSError` if either file fails."""
         write(file, self._read())
         return len(self.done)
 
     def _read(self) -> dict[str, Task]:
-        """What is kept; `OSError` where that cannot be read now, as on a network that is away: then it stays."""
+        """Return the saved tasks; `OSError` if the file cannot be read now, as on a lost network: then it stays."""
         try:
             return read(self._file)
         except FileNotFoundError:
@@ -172,7 +172,9 @@ class LessonProgress:
             names = (f".damaged{number}.json" for number in ("", *range(2, 1000)))
             aside = next(file for name in names if not (file := self._file.with_suffix(name)).exists())
             os.replace(self._file, aside)
-            self._problem = say("{error}. It is {aside} now, and a new one begins", error=error, aside=aside.name)
+            self._problem = say(
+                "{error}. It was renamed to {aside}, and a new file begins", error=error, aside=aside.name
+            )
             return {}
 
     def _show(self) -> None:
@@ -192,16 +194,16 @@ _current: LessonProgress | None = None
 
 
 def progress(language: str = ENGLISH) -> LessonProgress:
-    """Show how many tasks of the lessons are done, in a line that follows the checks.
+    """Show how many tasks of the lessons are done, in a line that each check updates.
 
-    From now on checks keep their results in ``robowidgets-progress.json``, in the folder of the notebook, and speak the
+    From now on checks save their results in ``robowidgets-progress.json``, in the folder of the notebook, and use the
     language of the lesson.
 
     Args:
-        language: its code, such as ``"de"``.
+        language: the code of the language, such as ``"de"``.
 
     Raises:
-        ValueError: the lessons are not written in it.
+        ValueError: the lessons are not available in this language.
     """
     global _current
     speak(language)
@@ -210,38 +212,38 @@ def progress(language: str = ENGLISH) -> LessonProgress:
 
 
 def report(file: str | os.PathLike[str]) -> str:
-    """Write a file to hand in, which says how far you are, with your answers.
+    """Write a file to hand in, with your progress and your answers.
 
     Args:
-        file: its name, such as ``"ada.json"``: the teacher sees you under it.
+        file: the name of the file, such as ``"ada.json"``. The teacher sees this name.
 
     Returns:
-        A line that says what is in it.
+        A line with the number of done tasks.
 
     Raises:
         ValueError: the name does not end with ``.json``.
-        FileExistsError: there is another file of this name, which is no report.
+        FileExistsError: a file with this name exists and is not a report.
     """
     path = Path(file)
     if path.suffix != ".json" or path.name == FILE:
-        raise ValueError(f"report: expected a file name with your own name, such as 'ada.json', got {str(file)!r}")
+        raise ValueError(f"report: expected a file name with your name, such as 'ada.json', got {str(file)!r}")
     if path.exists():
         try:
             read(path)
         except ReportError as error:
-            raise FileExistsError(f"report: {path} is another file, which stays as it is ({error})") from None
+            raise FileExistsError(f"report: {path} is another file and was not changed ({error})") from None
     done = (_current or LessonProgress(Path(FILE).absolute())).report(path)
     return say("{file}: {done} of {all} done. Hand in this file", file=path.name, done=done, all=len(TASKS))
 
 
 def forget() -> None:
-    """Have checks keep nothing from now on."""
+    """Stop saving the results of checks."""
     global _current
     _current = None
 
 
 def keep(function: Any, name: str, result: Result) -> None:
-    """Keep the result of a check, if `progress` was asked for."""
+    """Save the result of a check if `progress` was called."""
     if _current is not None:
         function = function.version.function if isinstance(function, Program) else function
         described = function.cls if isinstance(function, Machine) else function
@@ -251,19 +253,19 @@ def keep(function: Any, name: str, result: Result) -> None:
 
 
 def _cell_of(answer: Any) -> str:
-    """The text of the cell, or the file, in which an answer is written; empty where Python does not have it."""
+    """Return the text of the cell or the file with an answer, or an empty text if Python does not have it."""
     parts = [answer, *(vars(answer).values() if isinstance(answer, type) else ())]
     code = next((part.__code__ for part in parts if hasattr(part, "__code__")), None)
     return "".join(linecache.getlines(code.co_filename)) if code is not None else ""
 
 
 def fingerprint(cell: str) -> str:
-    """Of the answer in a cell, without its check, comments and blanks: the same in all languages."""
+    """Return a hash of the answer in a cell, without its check, comments and blanks: the same in all languages."""
     skipped = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
     text = cell.partition("\nresult = ")[0]
     try:
         words = [t.string for t in tokenize.generate_tokens(io.StringIO(text).readline) if t.type not in skipped]
-    except (tokenize.TokenError, SyntaxError):  # a magic of IPython, which is in none that is given
+    except (tokenize.TokenError, SyntaxError):  # for example an IPython magic, which no given answer contains
         return ""
     return hashlib.sha256(" ".join(words).encode()).hexdigest()[:12]
 
@@ -272,7 +274,7 @@ def fingerprint(cell: str) -> str:
 
 
 def write(file: Path, tasks: Mapping[str, Task]) -> None:
-    """Write a file at once: who reads it meanwhile gets all or nothing of it."""
+    """Write a file atomically, so that no reader sees a part of it."""
     text = json.dumps({"kind": KIND, "version": 1, "tasks": {k: asdict(v) for k, v in tasks.items()}}, indent=1)
     part = file.with_name(f".{file.name}.{os.getpid()}.part")
     try:
@@ -284,11 +286,11 @@ def write(file: Path, tasks: Mapping[str, Task]) -> None:
 
 
 def read(file: Path) -> dict[str, Task]:
-    """The tasks in a file, which may come from anywhere: nothing in it is run, and all of it is text.
+    """Return the tasks in a file from anywhere. Nothing in the file is run: all of it is text.
 
     Raises:
-        ReportError: it is none, or damaged.
-        OSError: it cannot be read.
+        ReportError: the file is not a report, or it is damaged.
+        OSError: the file cannot be read.
     """
     if file.stat().st_size > LONGEST_FILE:
         raise ReportError(
@@ -299,10 +301,10 @@ def read(file: Path) -> dict[str, Task]:
     except (ValueError, RecursionError) as error:
         raise ReportError("{file} is damaged: {error}", file=file.name, error=error) from None
     if not isinstance(held, dict) or held.get("kind") != KIND:
-        raise ReportError("{file} is no report of the lessons", file=file.name)
+        raise ReportError("{file} is not a report of the lessons", file=file.name)
     if held.get("version") != 1:
         raise ReportError(
-            "{file} is of version {version}, and this robowidgets reads 1",
+            "{file} has version {version}, but this robowidgets reads version 1",
             file=file.name,
             version=repr(held.get("version"))[:20],
         )
@@ -313,9 +315,9 @@ def read(file: Path) -> dict[str, Task]:
 
 
 def task_in(file: Path, name: str, row: Any) -> Task:
-    """Return a task as a row of a file has it; ReportError if it is damaged."""
+    """Return a task from a row of a file; ReportError if the row is damaged."""
     if name not in TASKS:
-        raise ReportError("{file} has a task that is not known here: {name}", file=file.name, name=repr(name)[:60])
+        raise ReportError("{file} has an unknown task: {name}", file=file.name, name=repr(name)[:60])
     if not isinstance(row, dict):
         raise ReportError("{file} is damaged at {name}", file=file.name, name=name)
     empty = Task()
@@ -336,5 +338,5 @@ def task_in(file: Path, name: str, row: Any) -> Task:
 
 
 def encodable(text: str) -> str:
-    """A text from outside as it can be written: with a code for what no UTF-8 has, as a name in Latin-1 has it."""
+    """Return a text with escape codes for characters that UTF-8 cannot encode, as from a file name in Latin-1."""
     return text.encode("utf-8", "backslashreplace").decode()

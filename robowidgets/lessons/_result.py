@@ -1,4 +1,4 @@
-"""What the check of an answer found."""
+"""The result of the check of an answer."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from ._texts import say
 
 
 class Result:
-    """What the check of an answer found; true when the answer is right, and printed in plain words.
+    """The result of the check of an answer. It is true if the answer is right, and its text explains what is wrong.
 
     Args:
-        name: of the task.
-        wrong: a line for each case that is wrong; a function that gives no answer is tried no further.
-        right: the number of cases that are right.
+        name: the name of the task.
+        wrong: a line for each wrong case; after a case without an answer, no other cases are tried.
+        right: the number of right cases.
         cases: the number of all cases.
-        sample: the first scan, or touch, on which it was wrong; None when all is right.
+        sample: the scan or touch of the first wrong case, or None if all are right.
         prints: the last lines that the function printed.
-        fault: what is wrong in the first of these cases, as it is known in all languages.
+        fault: the fault of the first wrong case, the same text in all languages.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Result:
         return "\n".join((self._head(), *(f"  - {line}" for line in self.wrong), *printed))
 
     def _repr_html_(self) -> str:
-        # A notebook breaks the lines of text in the middle of words.
+        # HTML, because a notebook wraps lines of plain text in the middle of words.
         lines = "".join(f"<li>{escape(line)}</li>" for line in self.wrong)
         printed = "\n".join(map(escape, self.prints))
         printed = printed and f"<div>{escape(say('It printed last:'))}</div><pre>{printed}</pre>"

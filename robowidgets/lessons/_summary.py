@@ -1,4 +1,4 @@
-"""A class at a glance: who has done which task, and who is stuck where, from the reports that were handed in."""
+"""A class at a glance: the done tasks of each student, and the tasks where students are stuck, from their reports."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ._progress import FILE, TASKS, ReportError, Task, encodable, read
 _CLAIMED = "Not graded: this is what the students' computers wrote. robowidgets lessons --grade runs the answers"
 
 STUCK = 3
-"""Different answers that were wrong, from which on a student counts as stuck."""
+"""The number of different wrong answers from which a student counts as stuck."""
 
 
 _FIELD = re.compile(r"\{[^}]*\}")
 
 
 class Fault(NamedTuple):
-    """What is wrong in the answers of those who are stuck at a task, the most common first."""
+    """The faults in the answers of students who are stuck at a task, the most common first."""
 
     task: str
     students: tuple[str, ...]
@@ -31,12 +31,12 @@ class Fault(NamedTuple):
 
 
 class ClassSummary:
-    """How far the students of a class are. A notebook shows it as a picture; printed it is a table.
+    """The progress of the students of a class. A notebook shows it as a picture, and `print` as a table.
 
     Args:
-        students: the tasks of each, by name.
-        problems: a line for each submission, or file, that is empty, damaged or no report.
-        is_graded: True if the answers were run by the grader; else the tasks are what the students' computers wrote.
+        students: the tasks of each student, by name.
+        problems: a line for each submission or file that is empty, damaged or not a report.
+        is_graded: True if the grader ran the answers; False if the students' computers wrote the results.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class ClassSummary:
 
     @property
     def stuck(self) -> tuple[Fault, ...]:
-        """The tasks at which somebody is stuck, the one with most students first."""
+        """The tasks at which students are stuck, beginning with the task with most of them."""
         found = []
         for task in TASKS:
             names = tuple(name for name, tasks in self.students.items() if _is_stuck(tasks.get(task)))
@@ -88,8 +88,8 @@ class ClassSummary:
         if task is None:
             return "<td></td>"
         kind = ("yes" if self.is_graded else "claimed") if task.done else "stuck" if _is_stuck(task) else "try"
-        told = f"{name}: {'done' if task.done else task.wrong}"
-        return f'<td class="rw-{kind}" title="{escape(told, quote=True)}">{self._mark(task)}</td>'
+        title = f"{name}: {'done' if task.done else task.wrong}"
+        return f'<td class="rw-{kind}" title="{escape(title, quote=True)}">{self._mark(task)}</td>'
 
     def _done_by(self, task: str) -> int:
         return sum(task in tasks and tasks[task].done for tasks in self.students.values())
@@ -137,7 +137,7 @@ class ClassSummary:
                 yield f"<pre>{escape(task.answer)}</pre></details>"
 
     def to_html(self, file: str | os.PathLike[str]) -> None:
-        """Write the picture as a page of its own, which loads nothing."""
+        """Write the picture as a separate page that loads nothing."""
         Path(file).write_text(
             '<!doctype html><html lang="en"><meta charset="utf-8">'
             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">"
@@ -149,21 +149,22 @@ class ClassSummary:
 
 
 def summary(folder: str | os.PathLike[str]) -> ClassSummary:
-    """How far a class is, from a folder with the reports of its students, at any depth.
+    """Return the progress of a class, from a folder with the reports of its students at any depth.
 
-    Reports are files that `report` wrote, each with the name of its student, and the ``robowidgets-progress.json`` of
-    notebooks' folders, which belong to the student of the one report beside it, or after whom the first folder is
-    named. One with notebooks and no report is of a student who has answered nothing. A file that is damaged, or none of
-    these, is named in ``problems``, as is an empty or damaged notebook. Nothing in them is run: what was not graded is
-    what the students' computers wrote. After ``robowidgets lessons --grade`` it has the marks, and no claims.
+    Reports are files that `report` wrote, each with the name of its student, and ``robowidgets-progress.json`` files.
+    A progress file belongs to the student of the only report in its folder, or else to the student whose name the first
+    folder has. A folder with notebooks and without a report counts as a student without answers. ``problems`` names
+    files that are damaged or not reports, and empty or damaged notebooks. Nothing in the files is run: without grading,
+    the results are those that the students' computers wrote. After ``robowidgets lessons --grade``, the summary shows
+    only the marks.
 
     Raises:
-        NotADirectoryError: there is no such folder.
+        NotADirectoryError: the folder does not exist.
         ReportError: the file with the marks is damaged.
     """
     root = Path(folder)
     if not root.is_dir():
-        raise NotADirectoryError(f"summary: there is no folder {str(folder)!r}; name the one with the reports")
+        raise NotADirectoryError(f"summary: {str(folder)!r} is not a folder; expected the folder with the reports")
     grades = read_grades(root)
     if grades is not None:
         return _graded(root, grades)
@@ -175,9 +176,9 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
         except (ReportError, OSError) as error:
             problems.append(str(error) if within.parent == Path() else f"{within.parent}: {error}")
     reports = [file for file, _ in found if file.name != FILE]
-    stems, beside = Counter(file.stem for file in reports), Counter(file.parent for file in reports)
+    stems, folders = Counter(file.stem for file in reports), Counter(file.parent for file in reports)
     name_of = {file: file.stem if stems[file.stem] == 1 else file.with_suffix("").as_posix() for file in reports}
-    owner_of = {file.parent: name for file, name in name_of.items() if beside[file.parent] == 1}
+    owner_of = {file.parent: name for file, name in name_of.items() if folders[file.parent] == 1}
     students: dict[str, dict[str, Task]] = {}
     for file, tasks in found:
         above = file.parts[0] if len(file.parts) > 1 else root.resolve().name
@@ -185,9 +186,9 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
         for task, row in tasks.items():
             if task not in of or (row.done, row.last) > (of[task].done, of[task].last):
                 of[task] = row
-    told = {file.parts[0] for file, _ in found}
+    with_report = {file.parts[0] for file, _ in found}
     for file in _files(root, "*.ipynb"):
-        if len(file.parts) > 1 and file.parts[0] not in told:
+        if len(file.parts) > 1 and file.parts[0] not in with_report:
             students.setdefault(encodable(file.parts[0]), {})
         if (problem := read_submission(root / file).problem) and not problem.startswith(NO_ANSWER):
             problems.append(f"{file}: {problem}")
@@ -197,30 +198,31 @@ def summary(folder: str | os.PathLike[str]) -> ClassSummary:
 def grade(
     folder: str | os.PathLike[str], *, user: str | int | None = None, tell: Callable[[str], None] = lambda _: None
 ) -> ClassSummary:
-    """Mark what a class handed in, and return how far it is.
+    """Mark the submissions of a class, and return its progress.
 
-    The answers in each notebook and report run in a process of their own, and are judged in this one: what they claim,
-    print, replace or write counts nothing. The marks are kept in the folder, for `summary`. That process has the rights
-    of whoever grades, unless another user is named: grade in a container, or as a user without rights.
+    The answers in each notebook and report run in a separate process, and are judged in this process, so that claims,
+    prints and changes of an answer do not count. The marks are saved in the folder, for `summary`. The process of the
+    answers has the rights of the present user unless another user is named: grade in a container, or as a user without
+    rights.
 
     Args:
-        folder: with the submissions, at any depth.
-        user: as whom answers run; others than oneself need root.
-        tell: takes a line for each submission that is done.
+        folder: a folder with the submissions, at any depth.
+        user: the user that runs the answers; any other than the present user needs root.
+        tell: receives a line for each finished submission.
 
     Raises:
-        NotADirectoryError: there is no such folder.
-        KeyError: there is no such user. PermissionError: answers may not run as this user.
+        NotADirectoryError: the folder does not exist.
+        KeyError: the user does not exist. PermissionError: answers may not run as this user.
     """
     root = Path(folder)
     if not root.is_dir():
-        raise NotADirectoryError(f"grade: there is no folder {str(folder)!r}; name the one with the submissions")
+        raise NotADirectoryError(f"grade: {str(folder)!r} is not a folder; expected the folder with the submissions")
     write_grades(root, mark(root, user=user, tell=tell))
     return summary(root)
 
 
 def _graded(root: Path, grades: Mapping[str, Grade]) -> ClassSummary:
-    """Return the marks of a class; a submission that came later is named as one without."""
+    """Return the marks of a class, and name later submissions as not graded."""
     late = [name for name in dict.fromkeys(name for name, _ in submissions(root)) if name not in grades]
     problems = [f"{name}: {made.problem}" for name, made in grades.items() if made.problem]
     problems += [f"{name}: not graded yet: robowidgets lessons --grade {root}" for name in late]
@@ -230,7 +232,7 @@ def _graded(root: Path, grades: Mapping[str, Grade]) -> ClassSummary:
 
 
 def _files(root: Path, pattern: str) -> list[Path]:
-    """The files of a pattern at any depth, within their root, but for hidden ones."""
+    """Return the files of a pattern at any depth, relative to the root, without hidden files."""
     within = (file.relative_to(root) for file in sorted(root.rglob(pattern)))
     return [
         file
@@ -248,7 +250,7 @@ def _done(tasks: Mapping[str, Task]) -> int:
 
 
 def _plain(text: str) -> str:
-    """A text of somebody else in one line of a terminal, without what would move its cursor."""
+    """Return a text for one line of a terminal, without control characters."""
     return "".join(c if c.isprintable() else "�" for c in text)
 
 

@@ -1,4 +1,4 @@
-"""The five tasks of the lesson from picture to code: the cases on which an answer is tried."""
+"""The five tasks of the lesson from picture to code: the cases that test an answer."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from ._texts import say
 
 _STEP_S = 0.1
 _SPEED_OFF = 0.015
-"""m/s by which a speed that is asked for may differ."""
+"""The tolerance of a required speed in m/s."""
 
 _FASTEST, _FASTEST_TURN = 2.0, 2 * pi
-"""m/s and rad/s, beyond which a small robot does not drive."""
+"""The highest plausible speeds of a small robot in m/s and rad/s."""
 
 
 # -- nearest on the left -----------------------------------------------------------------------------------------------
 
 
 def nearest_on_the_left() -> Sequence[Case]:
-    """Metres to the nearest thing in the quarter of the circle on the left."""
+    """Return the cases for the metres to the nearest thing in the quarter of the circle on the left."""
     hall = Robot(World.rooms(), (-3.0, -0.8, 0.6), seed=3).scan()
     near_right = Robot(World.rooms(), (1.6, 0.4, 1.57), seed=4).scan()
     circle = Robot(World.rooms(), (4.6, -2.0, 0.0), scanner=Scanner(360, 2 * pi), seed=5).scan()
     zeros = replace(hall, ranges=np.where(np.arange(len(hall)) % 3 == 0, np.float32(0), hall.ranges))
     free = Robot(World([(2.0, -4.0, 2.0, 1.5)]), seed=6).scan()
     on_the_left = partial(nearest_in, "left")
-    look = say('Look on the left alone, as scan.distance("left") does')
+    look = say('Look only on the left, as scan.distance("left") does')
     return [
         on_the_left(say("a hall"), hall, say('scan.distance("left") takes the nearest of all rays there')),
         on_the_left(
@@ -51,9 +51,9 @@ def nearest_on_the_left() -> Sequence[Case]:
             say("Its left has other indices: ask for angles, not for a slice"),
         ),
         on_the_left(
-            say("a scanner that sends 0.0 for nothing"), zeros, say("0.0 is its code for nothing seen, and no distance")
+            say("a scanner that sends 0.0 for nothing"), zeros, say("0.0 is its code for nothing seen, not a distance")
         ),
-        on_the_left(say("nothing on the left"), free, say("The least of nothing is inf: there is room")),
+        on_the_left(say("nothing on the left"), free, say("The minimum of no distances is inf: there is room")),
     ]
 
 
@@ -65,7 +65,7 @@ def _posts(*angles: float) -> Scan:
 
 
 def _clockwise(scan: Scan) -> Scan:
-    """The same picture by a scanner that counts the other way."""
+    """Return the same scan by a scanner that counts clockwise."""
     return Scan(
         scan.ranges[::-1],
         angle_min=float(scan.angles[-1]),
@@ -80,7 +80,7 @@ def _clockwise(scan: Scan) -> Scan:
 
 
 def fits_through() -> Sequence[Case]:
-    """Whether the wall that stands 1 m ahead has a gap of at least 0.6 m."""
+    """Return the cases for a wall 1 m ahead, with or without a gap of at least 0.6 m."""
     widths = {
         say("a gap of 0.9 m"): (0.9, 0.0),
         say("a gap of 0.4 m"): (0.4, 0.0),
@@ -117,7 +117,7 @@ def _gap(title: str, width: float, centre: float) -> Case:
 
 
 def stop_at_wall() -> Sequence[Case]:
-    """The speed forward, for each scan, with which the robot comes to rest 0.4 m from the wall ahead."""
+    """Return the cases for the speed forward that stops the robot 0.4 m before the wall ahead."""
     ahead = (2.5, -3.0, 2.5, 3.0)
     beside, other = (0.5, 0.26, 2.5, 0.26), (0.5, -0.26, 2.5, -0.26)
     covered = Robot(World([ahead]), seed=8).scan()
@@ -139,7 +139,7 @@ def stop_at_wall() -> Sequence[Case]:
         _stop(say("a wall ahead and one close on the right"), World([ahead, other]), ahead[0]),
         _stop(say("a chair leg ahead, to the left"), World([ahead], [left]), left[0] - left[2]),
         _stop(say("a chair leg ahead, to the right"), World([ahead], [right]), right[0] - right[2]),
-        Case(say("a covered scanner, which sends NaN alone"), covered, blind),
+        Case(say("a covered scanner, which sends only NaN"), covered, blind),
     ]
 
 
@@ -147,8 +147,8 @@ def _drive(robot: Robot, answer: Answer) -> None:
     speed = number(call(answer, robot.scan()), say("speed forward in m/s"))
     if not isfinite(speed):
         raise WrongError(
-            "at {seconds:.1f} s it returned {speed:g} m/s: a distance is inf when nothing is in range, and nan where "
-            "it is unknown. Return a limited speed for the one, and 0 for the other",
+            "at {seconds:.1f} s it returned {speed:g} m/s: a distance is inf if nothing is in range, and nan if it is "
+            "unknown. Return a limited speed for inf, and 0 for nan",
             seconds=robot.time,
             speed=speed,
         )
@@ -174,7 +174,7 @@ def _stop(title: str, world: World, ahead: float) -> Case:
 
 
 def bumper_reflex() -> Sequence[Case]:
-    """Speed forward and turn: on while free, back from a touch and away from its side, none where nothing is known."""
+    """Return the cases for speed and turn: forward if nothing is touched, back from a touch, 0 if it is unknown."""
 
     def free(linear: float, turn: float) -> str:
         return "" if linear > 0 and turn == 0 else say("nothing is touched: drive forward, and do not turn")
@@ -189,7 +189,11 @@ def bumper_reflex() -> Sequence[Case]:
         return "" if linear < 0 else say("back up: the speed forward is below 0")
 
     def unknown(linear: float, turn: float) -> str:
-        return "" if linear == turn == 0 else say("None means unknown, not free: stand still until the bumper is known")
+        return (
+            ""
+            if linear == turn == 0
+            else say("None means unknown, not released: stand still until the bumper is known")
+        )
 
     return [
         _reflex(say("nothing touched"), (False, False, False), free),
@@ -222,20 +226,20 @@ def _reflex(title: str, states: tuple[bool | None, ...], rule: Callable[[float, 
 
 
 def _no_speed(linear: float, turn: float) -> str:
-    """Why no robot of this size drives with these speeds; empty if one may."""
+    """Return why these speeds are implausible for a robot of this size, or an empty text."""
     if not (isfinite(linear) and isfinite(turn)):
         return say("a speed is a finite number")
     if abs(turn) > _FASTEST_TURN:
         return say(
-            "{turn:g} rad/s are {turns:.1f} turns a second. Are they degrees? math.radians({turn:g}) makes "
-            "{radians:.2f} of them",
+            "{turn:g} rad/s are {turns:.1f} turns per second. Is this number in degrees? math.radians({turn:g}) is "
+            "{radians:.2f}",
             turn=turn,
             turns=abs(turn) / (2 * pi),
             radians=radians(turn),
         )
     if abs(linear) > _FASTEST:
         return say(
-            "{linear:g} m/s are {fast:.0f} km/h. Are they centimetres? The speed is in m/s",
+            "{linear:g} m/s are {fast:.0f} km/h. Is this number in centimetres? The speed is in m/s",
             linear=linear,
             fast=abs(linear) * 3.6,
         )
@@ -246,7 +250,7 @@ def _no_speed(linear: float, turn: float) -> str:
 
 
 def slow_in_doorway() -> Sequence[Case]:
-    """The speed forward: 0.5 m/s in the open, 0.2 m/s where something is near on both sides."""
+    """Return the cases for the speed forward: 0.5 m/s in the open, 0.2 m/s between things on both sides."""
     room = [(-4.0, 2.0, 4.0, 2.0), (-4.0, -2.0, 4.0, -2.0)]
     # Two faces of a wall, and its ends: a wall without thickness is invisible from the doorway.
     faces = [(x, side * 0.5, x, side * 2.0) for x in (-0.05, 0.05) for side in (-1, 1)]
@@ -268,7 +272,7 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
         while robot.pose.x < 2.5:
             if robot.time > 40:
                 way = robot.pose.x + 3
-                raise WrongError("after 40 s it is no farther than {way:.1f} m of 5.5 m: drive on", way=way)
+                raise WrongError("after 40 s it has come only {way:.1f} m of 5.5 m: drive on", way=way)
             _drive(robot, answer)
             x, speed = robot.pose.x, robot.speed().linear[0]
             if has_door and abs(x) < 0.05:
@@ -277,17 +281,17 @@ def _doorway(title: str, world: World, *, has_door: bool) -> Case:
                 slowest_outside = min(slowest_outside, speed)
         if slowest_inside < 0.2 - _SPEED_OFF:
             raise WrongError(
-                "it drives through the door with {speed:.2f} m/s: 0.2 m/s is asked for", speed=slowest_inside
+                "it drives through the door at {speed:.2f} m/s: the task asks for 0.2 m/s", speed=slowest_inside
             )
         if fastest_inside > 0.2 + _SPEED_OFF:
             raise WrongError(
-                "it drives through the door with {speed:.2f} m/s: 0.2 m/s is asked for", speed=fastest_inside
+                "it drives through the door at {speed:.2f} m/s: the task asks for 0.2 m/s", speed=fastest_inside
             )
         if slowest_outside < 0.5 - 2 * _SPEED_OFF:
             raise WrongError(
-                "in the open it drives with {speed:.2f} m/s: 0.5 m/s is asked for"
+                "in the open it drives at {speed:.2f} m/s: the task asks for 0.5 m/s"
                 if has_door
-                else "beside a single wall it drives with {speed:.2f} m/s: 0.5 m/s is asked for",
+                else "next to a single wall it drives at {speed:.2f} m/s: the task asks for 0.5 m/s",
                 speed=slowest_outside,
             )
 

@@ -1,6 +1,6 @@
-"""What the checks say, in the language of the lesson.
+"""The texts of the checks, in the language of the lesson.
 
-English stands in the code. `scripts/translate.py` gathers it, and compiles its translations, `texts/*.po`.
+The code contains the English texts. `scripts/translate.py` collects them, and compiles the translations, `texts/*.po`.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ _spoken: gettext.NullTranslations = gettext.NullTranslations()
 
 
 def languages() -> list[str]:
-    """The languages of the lessons, as their codes."""
+    """Return the codes of the languages of the lessons."""
     return sorted([ENGLISH, *(file.stem for file in TEXTS.glob("*.mo"))])
 
 
 def speak(language: str) -> None:
-    """Have `say` speak a language from now on.
+    """Set the language of `say`.
 
     Raises:
-        ValueError: the lessons are not written in it.
+        ValueError: the lessons are not available in this language.
     """
     global _spoken
     if language not in languages():
@@ -37,10 +37,10 @@ def speak(language: str) -> None:
 
 
 def say(text: str, **values: Any) -> str:
-    """A text in the language of the lesson.
+    """Return a text in the language of the lesson.
 
     Args:
-        text: English, as a literal, with fields as of `str.format`.
-        values: of the fields.
+        text: English, as a literal, with fields as in `str.format`.
+        values: the values of the fields.
     """
     return _spoken.gettext(text).format(**values)

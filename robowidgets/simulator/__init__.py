@@ -1,7 +1,7 @@
-"""A small robot in a small world, without any middleware: for lessons, demos and tests.
+"""A small robot in a small world, without a middleware, for lessons, demos and tests.
 
 It has two driven wheels, a laser scanner and three bumpers, and returns the samples that the widgets show.
-Simulated time only passes in `Robot.step`, and the same seed gives the same bytes.
+Simulated time passes only in `Robot.step`, and the same seed gives the same bytes.
 
 Examples:
     >>> from robowidgets.simulator import Robot, World

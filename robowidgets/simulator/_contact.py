@@ -11,20 +11,20 @@ from ..samples import Pose
 from .world import World
 
 PlacesOnBody = Mapping[str, tuple[float, float]]
-"""By name, places on a body: radians counter-clockwise from forward, and the share of the radius from its middle."""
+"""Places on a body by name: radians counter-clockwise from forward, and the share of the radius from the middle."""
 
 PRESSED_WITHIN = 0.002
-"""Largest distance in metres from the body at which a wall or an obstacle presses a bumper."""
+"""The largest distance in metres from the body at which a wall or an obstacle presses a bumper."""
 
 _EXACT = 1e-9
 _ROUNDS = 20
 
 
 def push_out(world: World, x: float, y: float, radius: float) -> tuple[float, float] | None:
-    """The place of a body after walls and obstacles have pushed it out: (x, y) itself if nothing is in the way.
+    """Return the place of a body after walls and obstacles have pushed it out, or None if it finds no free place.
 
-    The one that it is deepest in pushes first, repeatedly, so that a body slides along walls and comes to rest in
-    corners. None if there is no free place: the body is stuck and should stay where it was.
+    The wall or obstacle with the deepest overlap pushes first, repeatedly, so that a body slides along walls and comes
+    to rest in corners. For None, the body is stuck and should stay at its old place.
     """
     for _ in range(_ROUNDS):
         points = world.nearest_points(x, y)
@@ -44,7 +44,7 @@ def push_out(world: World, x: float, y: float, radius: float) -> tuple[float, fl
 
 
 def contact_angles(world: World, x: float, y: float, yaw: float, radius: float) -> list[float]:
-    """The angles of all contacts on the rim of the body: radians counter-clockwise from forward, within +-pi."""
+    """Return the angles of all contacts on the rim of the body: radians counter-clockwise from forward, within +-pi."""
     points = world.nearest_points(x, y) - (x, y)
     touching = points[np.hypot(points[:, 0], points[:, 1]) <= radius + PRESSED_WITHIN]
     angles = np.arctan2(touching[:, 1], touching[:, 0]) - yaw
@@ -52,14 +52,14 @@ def contact_angles(world: World, x: float, y: float, yaw: float, radius: float) 
 
 
 def pressed(angles: list[float], bumpers: Mapping[str, tuple[float, float]]) -> dict[str, bool]:
-    """Whether one of these contacts presses each bumper, by the name of the bumper."""
+    """Map the name of each bumper to True if one of these contacts presses it."""
     return {
         name: any((angle - low) % (2 * pi) <= high - low for angle in angles) for name, (low, high) in bumpers.items()
     }
 
 
 def over_drop(world: World, pose: Pose, radius: float, places: PlacesOnBody) -> dict[str, bool]:
-    """Whether there is no floor below each of these places of a body, by name."""
+    """Map the name of each of these places of a body to True if the floor is missing below it."""
     x, y, yaw = pose
     return {
         name: world.has_drop(x + share * radius * cos(yaw + angle), y + share * radius * sin(yaw + angle))

@@ -1,4 +1,4 @@
-"""Floors of square cells: their walls as few segments, and a place to start."""
+"""Floors of square cells: their walls as a small number of segments, and a start pose."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..samples.checks import finite
 Cells = NDArray[np.bool_]
 
 _ROOM = 0.4
-"""Metres from the middle of the first robot's place to the nearest cell that is not free."""
+"""Metres from the start of a robot to the nearest cell that is not free."""
 
 _HEADINGS = {">": 0.0, "^": pi / 2, "<": pi, "v": -pi / 2}
 _SHARE = 0.35
-"""Radius of a round obstacle, as a share of the cell."""
+"""The radius of a round obstacle over the size of a cell."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +27,13 @@ class Grid:
     """A floor of square cells.
 
     Args:
-        occupied: shape (rows, columns), row 0 at the bottom; True is a wall.
-        free: the same shape; True is free floor. A cell may be neither.
-        cell: metres of the side of a cell.
-        origin: (x, y, yaw) of the corner at the bottom left.
+        occupied: shape (rows, columns), row 0 at the bottom; True for a wall.
+        free: the same shape; True for free floor. A cell may be neither.
+        cell: the side of a cell in metres.
+        origin: (x, y, yaw) of the bottom left corner.
         obstacles: discs as (x, y, radius) in metres, in the world's frame.
         drops: rectangles without floor, as (x1, y1, x2, y2) in metres, in the world's frame.
-        marked: the pose at which a robot starts, if the drawing has one.
+        marked: the start pose of the robot in the drawing, or None.
     """
 
     occupied: Cells
@@ -45,17 +45,17 @@ class Grid:
     marked: tuple[float, float, float] | None = None
 
     def walls(self) -> NDArray[np.float64]:
-        """The edges between occupied and free cells, those in one line joined: shape (W, 4), metres."""
+        """Return the edges between occupied and free cells, joined along each line: shape (W, 4), metres."""
         occupied, free = (np.pad(cells, 1) for cells in (self.occupied, self.free))
-        beside = _runs(occupied[:, :-1] & free[:, 1:] | free[:, :-1] & occupied[:, 1:])
-        above = _runs((occupied[:-1] & free[1:] | free[:-1] & occupied[1:]).T)
-        upright = [(line, start, line, stop) for line, start, stop in beside]
-        flat = [(start, line, stop, line) for line, start, stop in above]
+        vertical = _runs(occupied[:, :-1] & free[:, 1:] | free[:, :-1] & occupied[:, 1:])
+        horizontal = _runs((occupied[:-1] & free[1:] | free[:-1] & occupied[1:]).T)
+        upright = [(line, start, line, stop) for line, start, stop in vertical]
+        flat = [(start, line, stop, line) for line, start, stop in horizontal]
         ends = np.array(upright + flat, dtype=np.float64).reshape(-1, 2)
         return self._placed(ends).reshape(-1, 4)
 
     def start(self) -> tuple[float, float, float]:
-        """The pose at which a robot starts: the marked one, else the roomy place nearest to the middle."""
+        """Return the start pose of a robot: the marked pose, or the roomy place nearest to the middle."""
         if self.marked is not None:
             return self.marked
         roomy = np.pad(self.free, 1)
@@ -77,14 +77,14 @@ class Grid:
         return float(x), float(y), 0.0
 
     def _placed(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Places counted in cells, shape (N, 2), as metres in the world's frame."""
+        """Convert places counted in cells, shape (N, 2), to metres in the world's frame."""
         x, y, yaw = self.origin
         turn = np.array(((cos(yaw), sin(yaw)), (-sin(yaw), cos(yaw))))
         return np.asarray(cells * self.cell @ turn + (x, y))
 
 
 def _runs(edges: Cells) -> list[tuple[int, int, int]]:
-    """Runs of True down each column: the column, first cell and stop, counted without the padding of one cell."""
+    """Return the runs of True along each column: column, first cell and stop, counted without the padding cell."""
     padded = np.pad(edges.T, ((0, 0), (1, 1))).astype(np.int8)
     steps = np.diff(padded, axis=1)
     columns, starts = np.nonzero(steps == 1)
@@ -93,7 +93,7 @@ def _runs(edges: Cells) -> list[tuple[int, int, int]]:
 
 
 def _rectangles(cells: Cells) -> list[tuple[int, int, int, int]]:
-    """Rectangles that cover the cells, as (x1, y1, x2, y2) counted in cells: equal runs of rows below each other."""
+    """Return rectangles that cover the cells, (x1, y1, x2, y2) counted in cells: equal runs in consecutive rows."""
     bottoms: dict[tuple[int, int, int], int] = {}
     for row, start, stop in _runs(np.pad(cells.T, 1)):
         bottoms[start, stop, row] = bottoms.pop((start, stop, row - 1), row - 1)
@@ -101,7 +101,7 @@ def _rectangles(cells: Cells) -> list[tuple[int, int, int, int]]:
 
 
 def grid_of_text(text: str, cell: float) -> Grid:
-    """A drawing as `World.from_text` takes it."""
+    """Return the grid of a drawing as in `World.from_text`."""
     if not isinstance(text, str):
         raise TypeError(f"text: expected the lines of a room, such as '####', got {text!r}")
     if finite("cell", cell, "metres") <= 0:
@@ -134,7 +134,7 @@ def grid_of_text(text: str, cell: float) -> Grid:
     inside = np.maximum.accumulate(is_drawn, axis=1) & np.maximum.accumulate(is_drawn[:, ::-1], axis=1)[:, ::-1]
     if not np.isin(cells[inside], [" ", ".", *_HEADINGS]).any():
         raise ValueError(
-            "text: expected free floor, as spaces or dots, got none; spaces at the ends of a line lie outside"
+            "text: expected free floor, as spaces or dots, got none; spaces at the ends of a line are outside"
         )
     drops = [(x1 * cell, y1 * cell, x2 * cell, y2 * cell) for x1, y1, x2, y2 in _rectangles(cells == "=")]
     return Grid(occupied, inside & ~occupied, cell, obstacles=obstacles, drops=drops, marked=marked)

@@ -9,11 +9,11 @@ from ..messages.map_grid import load_map, to_map_grid
 from ._grid import Grid
 
 _OCCUPIED = 65
-"""Percent from which a cell of a message is a wall, as map_server has it."""
+"""The percentage from which a cell of a message is a wall, as in map_server."""
 
 
 def grid_of_map(source: Any) -> Grid:
-    """A map as `World.from_map` takes it."""
+    """Return the grid of a map as in `World.from_map`."""
     if isinstance(source, (str, PathLike)):
         found = load_map(source)
         occupied, free = found.values == 100, found.values == 0

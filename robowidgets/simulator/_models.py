@@ -1,4 +1,4 @@
-"""Robots with the messages of real ones, by name. Sizes and limits are typical values, accelerations are estimates."""
+"""Models of real robots, with their messages. Sizes and limits are typical values, accelerations are estimates."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from .scanner import Scanner
 from .sonars import Sonars
 
 Bumpers = Mapping[str, tuple[float, float]]
-"""By name, the part of the body's rim that each bumper covers: radians counter-clockwise from forward, from and to."""
+"""The part of the rim that each bumper covers, by name: from and to, in radians counter-clockwise from forward."""
 
 
 class Model(NamedTuple):
-    """A robot that is simulated.
+    """A model of a robot.
 
     Attributes:
-        radius: of its body, metres.
-        motors: their limits.
-        scanner: the one that it usually has, where it is mounted.
-        bumpers: its bumpers, from its left to its right; none: it has no such sensor.
-        touch_type: type of the messages about its touch sensors; empty where it has none.
-        to_message: the message for the states of its touch sensors.
-        drop_sensors: where its cliff sensors and wheel drops look for the floor; they come after the bumpers.
-        sonars: its ring of sonars; without poses it has none.
+        radius: the radius of the body, metres.
+        motors: the limits of its motors.
+        scanner: its usual scanner, with its mount.
+        bumpers: its bumpers from left to right; empty without bumpers.
+        touch_type: the type of the messages of its touch sensors; empty without touch sensors.
+        to_message: converts the states of its touch sensors to a message.
+        drop_sensors: the places where its cliff sensors and wheel drops look for the floor. They follow the bumpers.
+        sonars: its ring of sonars, without poses if it has no sonars.
     """
 
     radius: float
@@ -75,11 +75,11 @@ def _hazard(name: str) -> Any:
     return {"header": {"frame_id": frame.replace(" ", "_")}, "type": code}
 
 
-# Neighbours overlap: a contact between 15 and 30 degrees presses two. Sides and back have no bumper.
+# Neighbours overlap: a contact between 15 and 30 degrees presses two bumpers. Sides and back have no bumper.
 _THREE = _degrees(left=(15, 80), center=(-30, 30), right=(-80, -15))
 
-# A Pioneer 3-DX, from its left to its right: metres and degrees of the front ring; the rear one mirrors it, from its
-# right to its left, and stands farther from the middle.
+# The front ring of a Pioneer 3-DX from left to right, in metres and degrees. The rear ring mirrors it from right to
+# left, at a larger distance from the middle.
 _PIONEER = ((0.069, 0.136, 90), (0.114, 0.119, 50), (0.148, 0.078, 30), (0.166, 0.027, 10))
 _FRONT = (*_PIONEER, *((x, -y, -degrees) for x, y, degrees in reversed(_PIONEER)))
 _REAR = tuple((-0.088 - x, y, (180 - degrees + 180) % 360 - 180) for x, y, degrees in reversed(_FRONT))
@@ -121,7 +121,7 @@ MODELS: dict[str, Model] = {
         | {"cliff front right": (-0.27, 0.97), "cliff side right": (-1.18, 0.92)}
         | WHEELS,
     ),
-    # With a SICK LMS 200. Its body is taken as round, and holds the rear ring.
+    # With a SICK LMS 200. The simulated body is round, and large enough for the rear ring.
     "pioneer": Model(
         0.26,
         Motors(1.2, radians(300), 0.5, radians(200)),
@@ -143,7 +143,7 @@ MODELS: dict[str, Model] = {
 
 
 def model_of(name: str) -> Model:
-    """The model of this name; ValueError if there is none."""
+    """Return the model with this name; ValueError if it does not exist."""
     if name not in MODELS:
         raise ValueError(f"model: expected {', '.join(MODELS)}, got {name!r}")
     return MODELS[name]

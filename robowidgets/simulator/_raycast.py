@@ -13,11 +13,11 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _TOUCH = 1e-9
-"""Radians by which a ray may miss the end of a wall and still hit it, so that corners have no gap."""
+"""Radians by which a ray may miss the end of a wall and still hit it, so that corners have no gaps."""
 
 
 def cast_rays(world: World, x: float, y: float, angles: Floats) -> tuple[Floats, Floats]:
-    """Distance to the nearest wall and to the nearest obstacle along each ray.
+    """Return the distances to the nearest wall and to the nearest obstacle along each ray.
 
     Args:
         world: the walls and obstacles.
@@ -27,7 +27,7 @@ def cast_rays(world: World, x: float, y: float, angles: Floats) -> tuple[Floats,
 
     Returns:
         Two arrays of shape (R,), metres; inf if nothing is hit, 0 for an obstacle that contains the start. A wall
-        seen exactly edge-on has no width and is not hit.
+        seen exactly edge-on is not hit.
     """
     rays = _Rays(angles)
     with np.errstate(divide="ignore"):
@@ -35,9 +35,9 @@ def cast_rays(world: World, x: float, y: float, angles: Floats) -> tuple[Floats,
 
 
 class _Rays:
-    """Rays from one point, sorted by angle: each thing is tried against the few rays that may hit it alone.
+    """Rays from one point, sorted by angle, so that each wall or obstacle is tested only with the rays that may hit it.
 
-    So a map may have thousands of short walls. Nearness is 1 / distance, 0 where nothing is hit.
+    This makes maps with thousands of short walls possible. Nearness is 1 / distance, or 0 if nothing is hit.
     """
 
     def __init__(self, angles: Floats) -> None:
@@ -48,11 +48,11 @@ class _Rays:
         self._sorted = turned[self._order]
 
     def between(self, first: Floats, width: Floats) -> tuple[Indices, Indices]:
-        """All pairs of a thing and a ray within its angles, as two arrays of indices.
+        """Return all pairs of a thing and a ray within its angles, as two arrays of indices.
 
         Args:
             first: the angle at which each thing begins, radians.
-            width: radians that it spans counter-clockwise, at most pi.
+            width: the angle that it spans counter-clockwise, radians, at most pi.
         """
         start = (first - self._zero) % (2 * pi)
         end = start + width
@@ -65,14 +65,14 @@ class _Rays:
         return thing, ray
 
     def nearest(self, ray: Indices, nearness: Floats) -> Floats:
-        """The greatest nearness for each ray."""
+        """Return the greatest nearness for each ray."""
         result = np.zeros(self.cos.size)
         np.maximum.at(result, ray, nearness)
         return result
 
 
 def _nearness_of_walls(world: World, x: float, y: float, rays: _Rays) -> Floats:
-    """1 / distance to each wall: along a ray d the line n.p = c has the distance c / n.d, and products are cheap."""
+    """Return 1 / distance to walls: along a ray d, the line n.p = c is at c / n.d. The inverse needs only products."""
     x1, y1, x2, y2 = world.walls.T - [[x], [y], [x], [y]]
     away = x1 * y2 - y1 * x2
     seen = np.flatnonzero(np.abs(away) > _TOUCH * np.hypot(x2 - x1, y2 - y1))
@@ -85,7 +85,7 @@ def _nearness_of_walls(world: World, x: float, y: float, rays: _Rays) -> Floats:
 
 
 def _nearness_of_obstacles(world: World, x: float, y: float, rays: _Rays) -> Floats:
-    """1 / distance to the near side of each disc, from the equation |t d - c| = r."""
+    """Return 1 / distance to the near side of discs, from the equation |t d - c| = r."""
     centre_x, centre_y, radius = world.obstacles.T - [[x], [y], [0.0]]
     distance = np.hypot(centre_x, centre_y)
     outside = distance**2 - radius**2

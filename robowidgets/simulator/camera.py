@@ -1,4 +1,4 @@
-"""The camera of the simulated robot: it sees walls and obstacles in plain colours, and how far away they are."""
+"""The camera of the simulated robot, with pictures of walls and obstacles in plain colours, and depth images."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ from ._raycast import cast_rays
 from .world import World, to_pose
 
 WALL, OBSTACLE = 1.2, 0.6
-"""Metres; how high walls and obstacles are."""
+"""The heights of walls and obstacles in metres."""
 
 SCANNER_UP = 0.2
-"""Metres above the floor at which the scanner of a robot with a camera is."""
+"""The height of the scanner above the floor in metres, on a robot with a camera."""
 
 _FLOOR, _SKY = (176, 168, 156), (226, 232, 238)
 _OF_WALLS, _OF_OBSTACLES = np.array([214.0, 206.0, 192.0]), np.array([92.0, 140.0, 178.0])
 
 _FADES = 6.0
-"""Metres at which colours are half as bright."""
+"""The distance in metres at which colours are half as bright."""
 
 _MOST_ACROSS = 4096
 _FARTHEST = 65.5
-"""Metres that a depth image in millimetres can hold."""
+"""The largest distance in metres that fits in a depth image in millimetres."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A level camera on the robot, which sees colours and depth, without noise.
+    """A level camera on the robot, with pictures and depth images without noise.
 
     Args:
-        width, height: pixels of its pictures.
+        width, height: the size of its pictures in pixels.
         field_of_view: radians from the left of a picture to its right, or degrees as text (``"70deg"``).
         mount: (x, y, yaw) of the camera on the robot, metres and radians.
-        up: metres above the floor.
+        up: the height above the floor in metres.
         rate: pictures per second.
-        frame_id: coordinate frame of the camera, the optical one.
+        frame_id: the optical frame of the camera.
 
     Raises:
         TypeError: something is not a number.
@@ -80,14 +80,14 @@ class Camera:
 
     @property
     def info(self) -> CameraInfo:
-        """Its calibration: it sees without distortion."""
+        """Its calibration, without distortion."""
         focus = self.width / 2 / tan(self.field_of_view / 2)
         k = np.array([focus, 0, (self.width - 1) / 2, 0, focus, (self.height - 1) / 2, 0, 0, 1])
         p = np.insert(k.reshape(3, 3), 3, 0, axis=1)
         return CameraInfo(self.width, self.height, k, np.zeros(5), np.eye(3), p, "plumb_bob", frame_id=self.frame_id)
 
     def see(self, world: World, robot: Pose, stamp_ns: int | None = None) -> tuple[Image, Image]:
-        """The picture, and the depth image in millimetres, taken with the robot at a pose."""
+        """Return the picture and the depth image in millimetres, taken with the robot at a pose."""
         colors, metres = _seen(world, robot.offset(*self.mount), self.info, self.up)
         depth = np.round(1000 * np.where(metres < _FARTHEST, metres, 0.0)).astype(np.uint16)
         return (
@@ -97,13 +97,13 @@ class Camera:
 
 
 def picture(world: World, pose: Pose, camera_info: CameraInfo, height: float = 0.3) -> NDArray[np.uint8]:
-    """What a level camera sees of a room, shape (rows, columns, 3), red, green and blue.
+    """Return the picture of a room by a level camera, shape (rows, columns, 3), red, green and blue.
 
     Args:
         world: the room.
-        pose: where the camera is, and where it looks.
-        camera_info: its calibration. It sees without distortion.
-        height: metres above the floor.
+        pose: the position of the camera, and the direction in which it looks.
+        camera_info: its calibration. Distortion is ignored.
+        height: the height of the camera above the floor in metres.
 
     Raises:
         ValueError: the camera is not calibrated.
@@ -120,7 +120,7 @@ def picture(world: World, pose: Pose, camera_info: CameraInfo, height: float = 0
 def _seen(
     world: World, pose: Pose, camera_info: CameraInfo, height: float
 ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-    """The colours of each pixel, and the metres along the view to what it shows; inf for the sky."""
+    """Return the colours of all pixels, and their depths in metres along the direction of view, inf for the sky."""
     model = CameraModel(camera_info, rectified=True)
     width, rows = model.size
     aside = (np.arange(width) - model.middle[0]) / model.focus[0]

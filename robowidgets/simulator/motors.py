@@ -1,4 +1,4 @@
-"""The limits of the motors: speed and acceleration."""
+"""The limits of the motors for speed and acceleration."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Motors:
         max_angular: rad/s, both ways.
         linear_acceleration: m/s², speeding up and slowing down.
         angular_acceleration: rad/s², as above.
-        max_lateral: m/s, both ways, of a base that drives sideways; it speeds up as it does forward.
+        max_lateral: m/s, both ways, for a base that drives sideways, with the acceleration of driving forward.
 
     Raises:
         TypeError: something is not a number.
@@ -39,7 +39,7 @@ class Motors:
                 raise ValueError(f"{field.name}: expected a limit above 0, got {value!r}")
 
     def toward(self, speeds: BodyVelocity, command: BodyVelocity, dt: float) -> BodyVelocity:
-        """The speeds after dt seconds of accelerating toward a command within the limits."""
+        """Return the speeds after dt seconds of accelerating toward a command within the limits."""
         return (
             _approach(speeds[0], _clip(command[0], self.max_linear), self.linear_acceleration * dt),
             _approach(speeds[1], _clip(command[1], self.max_angular), self.angular_acceleration * dt),

@@ -1,4 +1,4 @@
-"""What the simulated robot sends: the topics of each kind of sensor, whose row in the table of kinds names them."""
+"""The topics of the simulated robot. The row of each kind of sensor in the table of kinds names its function."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class Offer(NamedTuple):
     Attributes:
         topic: its name.
         type: the type of its messages.
-        read: returns the newest sample; the same object as before where there is no newer one.
-        to_message: makes a message of the robot's model of it; None: the sample is sent.
-        obeyed: whether the robot does what others send on it, which is not sent again then.
+        read: returns the newest sample, or the same object as before if no newer sample exists.
+        to_message: converts a sample to a message of the robot's model, or None to send the sample.
+        obeyed: True if the robot obeys messages on this topic. Received messages are not sent again.
     """
 
     topic: str
@@ -42,37 +42,37 @@ class Offer(NamedTuple):
     obeyed: bool = False
 
     def message(self, sample: Any) -> Any:
-        """What is sent of a sample."""
+        """Return the message to send for a sample."""
         return sample if self.to_message is None else self.to_message(sample)
 
 
 MakeOffers = Callable[[Robot], Sequence[Offer]]
-"""The topics of a robot with one kind of sensor. It is called in the process that simulates the robot, too."""
+"""Returns the topics of a robot for one kind of sensor. It is also called in the process that simulates the robot."""
 
 
 def scans(robot: Robot) -> list[Offer]:
-    """The scans, at the rate of the scanner."""
+    """Return the topic of the scans, at the rate of the scanner."""
     return [Offer("/scan", LASER_SCAN, robot.scan)]
 
 
 def speeds(robot: Robot) -> list[Offer]:
-    """Odometry, and the speed that is commanded."""
+    """Return the topics of odometry and of the commanded speed."""
     return [Offer("/odom", ODOMETRY, robot.speed), Offer("/cmd_vel", TWIST, robot.command, obeyed=True)]
 
 
 def touches(robot: Robot) -> list[Offer]:
-    """The bumpers, as messages of the robot's model."""
+    """Return the topic of the bumpers, with messages of the robot's model."""
     model = robot.model
     return [Offer("/bumper", model.touch_type, robot.touch, model.to_message)] if model.touch_type else []
 
 
 def sonars(robot: Robot) -> list[Offer]:
-    """Each sonar, when it is its turn."""
+    """Return a topic for each sonar. The sonars measure in turn."""
     return [Offer(f"/sonar/{name}", RANGE, partial(robot.sonar, name)) for name in robot.sonars.poses]
 
 
 def cameras(robot: Robot) -> list[Offer]:
-    """What a camera sees, its calibration, and where it and the other sensors are; nothing without a camera."""
+    """Return the topics of the camera: pictures, depth, calibration, and transforms of all sensors; or none."""
     camera = robot.camera
     if camera is None:
         return []
@@ -89,7 +89,7 @@ def cameras(robot: Robot) -> list[Offer]:
 
 
 def _transforms(robot: Robot, image: Image) -> dict[str, Any]:
-    """Where the robot was when the camera took a picture, and its sensors on it."""
+    """Return the transforms of the robot at the time of a picture, and of its sensors on the robot."""
     assert robot.camera is not None
     x, y, yaw = robot.odometry
     placed = {
@@ -104,7 +104,7 @@ def _transforms(robot: Robot, image: Image) -> dict[str, Any]:
         transform_fields(parent, child, (x, y, z), turn_of(yaw, upside_down=child in hanging), stamp_ns)
         for child, (parent, x, y, z, yaw) in placed.items()
     ]
-    # It looks along z, with x to the right and y down (REP-103).
+    # An optical frame looks along z, with x to the right and y down (REP-103).
     optical = transform_fields("camera_link", robot.camera.frame_id, (0.0, 0.0, 0.0), (-0.5, 0.5, -0.5, 0.5), stamp_ns)
     return {"transforms": [*upright, optical]}
 

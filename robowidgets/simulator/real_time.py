@@ -15,24 +15,24 @@ LET_GO = 3.0
 """Seconds without a command after which the robot wanders again."""
 
 QUIET = 0.5
-"""Seconds after a command in which the commanded speed is not passed on: who sent the command passes it on."""
+"""Seconds after a command in which the commanded speed is not passed on, because the sender of the command does so."""
 
 _LATEST = 1.0
 
 
 class RealTime:
-    """Lets the time of a robot pass as real time does, in the thread that runs it.
+    """A simulation of a robot in real time, in the thread that runs it.
 
-    While speeds are commanded, the robot obeys them. Else it wanders about and backs off from obstacles, or stands
-    still. Any thread may call each method.
+    The robot obeys commanded speeds. Without commands it wanders about and backs off from obstacles, or stands still.
+    Any thread may call each method.
 
     Args:
-        robot: the robot; nothing else may use it meanwhile.
-        hz: rate of its speeds and bumpers, per second. Scans come at the rate of its scanner, or at this one if that is
+        robot: the robot. Nothing else may use it during the simulation.
+        hz: rate of its speeds and bumpers, per second. Scans come at the rate of its scanner, or at this rate if it is
             lower.
-        wander: whether it wanders while nobody drives it.
-        offers: what it sends, for each kind of sensor.
-        clock: the time that passes.
+        wander: True to wander without commands.
+        offers: the functions that return its topics, one for each kind of sensor.
+        clock: the clock of the simulation.
     """
 
     def __init__(
@@ -54,10 +54,10 @@ class RealTime:
         self._driven_at = 0.0
         self._is_ended = False
 
-    def want(self, topics: Collection[str], each: Collection[str] = ()) -> None:  # noqa: ARG002  # it leaves out none
-        """Pass on the samples of these of its topics, and of no others.
+    def want(self, topics: Collection[str], each: Collection[str] = ()) -> None:  # noqa: ARG002  # it skips no sample
+        """Pass on only the samples of these topics.
 
-        Of the topics in ``each``, every sample is passed on; of others the newest is enough.
+        For topics in ``each``, every sample is passed on. For others, the newest sample is enough.
         """
         self._wanted = frozenset(topics)
 
@@ -67,7 +67,7 @@ class RealTime:
         self._driven = (linear, angular, lateral)
 
     def end(self) -> None:
-        """Have `run` return."""
+        """End `run`."""
         with self._lock:
             self._is_ended = True
             self._changed.notify_all()
@@ -76,7 +76,7 @@ class RealTime:
         """Run until `end` is called.
 
         Args:
-            on_sample: called with the topic of each sample, and the sample; bumpers as a message of the robot's model.
+            on_sample: called with the topic of each sample and its message: see `Offer.message`.
         """
         ways = wander_about(self._robot)
         last: dict[str, Any] = {}
@@ -94,7 +94,7 @@ class RealTime:
                         on_sample(offer.topic, offer.message(last[offer.topic]))
 
     def _await(self, due: float) -> bool:
-        """Wait for a time; returns False if it is to end."""
+        """Wait until a time. Return False if `end` was called."""
         with self._lock:
             while not self._is_ended and self._changed.wait_until(due):
                 pass

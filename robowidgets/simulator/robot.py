@@ -26,40 +26,40 @@ _LONGEST_STEP = 60.0
 _SUBSTEP_NS = 10_000_000
 _NANOSECOND = 1e-9
 _FAR = 1.0
-"""Metres from the body beyond which walls are not looked at."""
+"""Metres from the body beyond which walls are ignored."""
 _WAY_OFF, _TURN_OFF = 0.02, 0.03
-"""Largest shares by which odometry is wrong about ways and turns."""
+"""The largest relative errors of odometry for distances and turns."""
 _BEND = 0.02
-"""Radians a metre, at most, by which odometry takes a straight way for a bent one."""
+"""The largest error of odometry in radians per metre on a straight path."""
 _MOVING = (
     "_pose", "_odometry", "_command", "_speeds", "_time_ns", "_scan_number", "_scan_ns", "_next_scan_ns", "_scan_pose",
 )  # fmt: skip
-"""What changes of a robot in its world as time passes."""
+"""The attributes of a robot that change as time passes."""
 _STANDS_ON = {"middle": (0.0, 0.0), **WHEELS}
 _EXACT = 1e-6
-"""Metres that a body may reach into what it touches, by rounding."""
+"""Metres that a body may overlap with a wall or an obstacle by rounding."""
 
 
 class Robot(Observed):
     """A round robot with a laser scanner and, as a rule, a differential drive and bumpers.
 
     It obeys `drive` within the limits of its motors. It slides along a wall or an obstacle that it hits at an angle,
-    and stops at one that it hits head on. With its middle or a wheel over a drop it stands until it is put elsewhere.
+    and stops at a wall that it hits head on. With its middle or a wheel over a drop, it stands still until it is moved.
     Time passes only in `step`, so it runs in real time or at any other speed. The same seed and the same calls give the
     same bytes.
 
     Args:
         world: the world in which it drives.
-        pose: (x, y, yaw) at the start, metres and radians within ±2 pi; None: the start of the world.
-        scanner: its laser scanner, a `Scanner` or "utm30lx", "lds01", "rplidar_a1", "urg04lx" or "neato"; None: that of
-            the model.
-        motors: the limits of its motors; None: those of the model.
-        radius: radius of the body, metres; None: that of the model.
-        seed: seed of everything random, a whole number of 0 or more.
+        pose: the start pose (x, y, yaw) in metres and radians within ±2 pi, or None for the start of the world.
+        scanner: its laser scanner: a `Scanner`, "utm30lx", "lds01", "rplidar_a1", "urg04lx" or "neato", or None for the
+            scanner of the model.
+        motors: the limits of its motors, or None for the limits of the model.
+        radius: the radius of the body in metres, or None for the radius of the model.
+        seed: the seed of all random numbers, a whole number of 0 or more.
         model: "plain", "turtlebot3", "kobuki", "create3", "pioneer" or "pr2": typical size and limits, bumpers, sonars
             and a scanner.
-        sonars: its ring of sonars; None: that of the model.
-        camera: its camera; True: a usual one, ahead; None: it has none.
+        sonars: its ring of sonars, or None for the sonars of the model.
+        camera: its camera, True for a usual camera that looks forward, or None for no camera.
 
     Raises:
         TypeError: something is not a number, or a world, scanner, motors or camera of another type.
@@ -108,10 +108,10 @@ class Robot(Observed):
             raise ValueError(f"seed: expected 0 or more, got {seed}")
         self._world = world
         self._lock = threading.Lock()
-        """Held while the robot moves and measures: a page may move it meanwhile."""
+        """Held while the robot moves and measures, because a page may move it at the same time."""
         super().__init__()
         self._known_room = (world, 0.0, 0.0, -inf)
-        """A world, a place, and metres to what is nearest to it, at least."""
+        """A world, a place, and a lower limit in metres for the distance to the nearest thing."""
         self.radius = finite("radius", self.model.radius if radius is None else radius, "metres")
         if self.radius <= 0:
             raise ValueError(f"radius: expected metres above 0, got {radius!r}")
@@ -131,9 +131,9 @@ class Robot(Observed):
         self._scan_pose = self._pose
         self._scan: Scan | None = None
         self._ranges: dict[str, tuple[int, Range]] = {}
-        """By sonar the number of its newest reading, and that reading."""
+        """By sonar: the number of its newest reading, and the reading."""
         self._pictures: tuple[int, Image, Image] | None = None
-        """Number, colours and depth of what the camera has seen last."""
+        """Number, picture and depth image of the newest shot of the camera."""
         shortest_way_through = self.radius / 2
         fastest = hypot(self.motors.max_linear, self.motors.max_lateral)
         self._substep_ns = max(1, min(_SUBSTEP_NS, int(shortest_way_through / fastest * 1e9)))
@@ -150,15 +150,15 @@ class Robot(Observed):
 
     @property
     def has_fallen(self) -> bool:
-        """Whether its middle or a wheel is over a drop: it stands there until `move_to` puts it elsewhere."""
+        """True while its middle or a wheel is over a drop. It stands still until `move_to` moves it away."""
         return self._falls_at(self._pose)
 
     @property
     def odometry(self) -> Pose:
-        """The pose that follows from the turns of the wheels, which drifts from the true one.
+        """The pose computed from the turns of the wheels, which drifts from the true pose.
 
-        It begins at the pose of the start. The wheels are not as large as the robot takes them to be, which is some
-        percent of each way and each turn, and not of one size, so that a straight way bends. The seed decides.
+        It begins at the start pose. The wheels differ from their nominal size, which changes each distance and turn by
+        a few percent, and from each other, which bends a straight path. The seed determines the errors.
         """
         return self._odometry
 
@@ -169,10 +169,10 @@ class Robot(Observed):
 
     @property
     def world(self) -> World:
-        """The world in which it drives. Another one may be set meanwhile, in which the robot has room where it is.
+        """The world in which it drives. It may be replaced by another world with room at the pose of the robot.
 
         Raises:
-            TypeError: no world. ValueError: a wall or an obstacle of it is where the robot is.
+            TypeError: not a world. ValueError: a wall or an obstacle of the new world overlaps with the robot.
         """
         return self._world
 
@@ -186,10 +186,10 @@ class Robot(Observed):
         self._call_observers()
 
     def move_to(self, x: float, y: float, yaw: float) -> None:
-        """Put the robot at another pose, metres and radians within ±2 pi; it keeps its speed.
+        """Move the robot to another pose, metres and radians within ±2 pi. It keeps its speed.
 
         Raises:
-            TypeError: something is not a number. ValueError: it is out of range, or the body does not fit there.
+            TypeError: something is not a number. ValueError: it is out of range, or the body does not fit at the pose.
         """
         pose = self._fitting(*to_pose("pose", (x, y, yaw)))
         with self._lock:
@@ -197,15 +197,15 @@ class Robot(Observed):
         self._call_observers()
 
     def place(self, world: World, pose: Pose, *, odometry: Pose | None = None) -> None:
-        """Put the robot into a world at a pose; it keeps its speed.
+        """Move the robot to a pose in a world. It keeps its speed.
 
         Args:
             world: the world.
             pose: the pose in it.
-            odometry: the pose from which the odometry counts on, or None to leave it as it is.
+            odometry: the new pose of the odometry, or None to keep its pose.
 
         Raises:
-            ValueError: the body does not fit there.
+            ValueError: the body does not fit at the pose.
         """
         with self._lock:
             self._check_room(world, pose.x, pose.y, self.radius - _EXACT)
@@ -215,10 +215,7 @@ class Robot(Observed):
         self._call_observers()
 
     def reset(self) -> None:
-        """Put the robot, its odometry, and the obstacles and walls of its world as they were at the start.
-
-        Time goes on.
-        """
+        """Reset the robot, its odometry, and the obstacles and walls of its world to the start. Time goes on."""
         self.resets += 1
         self.place(*self._start, odometry=self._start[1])
 
@@ -226,7 +223,7 @@ class Robot(Observed):
         """Command a speed, m/s forward, rad/s counter-clockwise and m/s to the left, until the next call.
 
         Raises:
-            TypeError, ValueError: no finite number; or it leads sideways, and the motors have no ``max_lateral``.
+            TypeError, ValueError: not a finite number, or a lateral speed without ``max_lateral`` of the motors.
         """
         command = (
             finite("linear", linear, "m/s"),
@@ -238,7 +235,7 @@ class Robot(Observed):
         self._command = command
 
     def step(self, dt: float) -> None:
-        """Let dt seconds pass: above 0, at most 60."""
+        """Simulate dt seconds, above 0 and at most 60."""
         if not 0 < finite("dt", dt, "seconds") <= _LONGEST_STEP:
             raise ValueError(f"dt: expected seconds, above 0 and at most {_LONGEST_STEP:g}, got {dt!r}")
         end = self._time_ns + max(1, round(dt * 1e9))
@@ -263,15 +260,15 @@ class Robot(Observed):
         period: float = 0.1,
         limit: float = 3600.0,
     ) -> None:
-        """Let time pass as fast as it can, for tests of programs.
+        """Simulate as fast as possible, for tests of programs.
 
         `robowidgets.behaviors.simulate` runs a program or a state machine in this way.
 
         Args:
-            until: simulated seconds since the start; or a function that returns true when it is enough.
-            behavior: advanced before each step, such as `wander`: it commands speeds, then yields.
-            period: seconds of a step.
-            limit: simulated seconds after which a function that is never true is given up.
+            until: simulated seconds since the start, or a function that returns true to end the run.
+            behavior: an iterator such as `wander`, advanced before each step. It commands speeds, then yields.
+            period: the duration of a step in seconds.
+            limit: the longest run in simulated seconds if ``until`` is a function.
 
         Raises:
             TypeError: until is neither a number nor a function. ValueError: a number is out of range.
@@ -298,7 +295,7 @@ class Robot(Observed):
             self.step(min(period, max(end - self.time, _NANOSECOND)))
 
     def scan(self) -> Scan:
-        """The newest scan, with the angles of the robot; the same object until the scanner has taken the next."""
+        """Return the newest scan, with angles of the robot; the same object until the scanner takes the next scan."""
         with self._lock:
             if self._scan is None:
                 rng = np.random.default_rng((self._seed, self._scan_number))
@@ -307,7 +304,7 @@ class Robot(Observed):
             return self._scan
 
     def sonar(self, name: str) -> Range:
-        """The newest reading of a sonar; the same object until it is its turn again. KeyError if there is none."""
+        """Return the newest reading of a sonar; the same object until its next turn. KeyError for an unknown sonar."""
         with self._lock:
             number = self.sonars.number_at(name, self._time_ns)
             if name not in self._ranges or self._ranges[name][0] != number:
@@ -317,23 +314,23 @@ class Robot(Observed):
             return self._ranges[name][1]
 
     def image(self) -> Image:
-        """The newest picture of the camera; the same object until it is its turn again. ValueError without a camera."""
+        """Return the newest picture; the same object until the next picture. ValueError without a camera."""
         return self._see()[1]
 
     def depth_image(self) -> Image:
-        """The depth image of the moment of `image`, in millimetres, as `image` otherwise."""
+        """Return the depth image of the same moment as `image`, in millimetres. Otherwise like `image`."""
         return self._see()[2]
 
     def speed(self) -> Speed:
-        """The speed that the wheels measure, with the pose that follows from them."""
+        """Return the speed measured by the wheels, with the pose of `odometry`."""
         return self._as_speed(*self._speeds, self._odometry)
 
     def command(self) -> Speed:
-        """The speed that `drive` commanded last, even if it is beyond the limits of the motors."""
+        """Return the last speed that `drive` commanded, which may exceed the limits of the motors."""
         return self._as_speed(*self._command)
 
     def touch(self) -> Touch:
-        """The states of the bumpers, and of cliff sensors and wheel drops: true where the floor is missing."""
+        """Return the states of bumpers, cliff sensors and wheel drops. The latter are True if the floor is missing."""
         x, y, yaw = self._pose
         is_free = self._has_room(x, y, PRESSED_WITHIN)
         angles = [] if is_free else contact_angles(self._around(x, y), x, y, yaw, self.radius)
@@ -342,12 +339,12 @@ class Robot(Observed):
         return Touch(states, TouchMode.LEVEL, tuple(states), self._time_ns, "robowidgets.simulator")
 
     def snapshot(self) -> dict[str, Any]:
-        """What has changed of it since it was made, its world apart, for `restore`."""
+        """Return its present state, except its world, for `restore`."""
         with self._lock:
             return {name: getattr(self, name) for name in _MOVING}
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
-        """Be as another robot was, such as a copy of this one in another process."""
+        """Take over the state of another robot, such as a copy of this robot in another process."""
         with self._lock:
             if snapshot["_scan_number"] != self._scan_number:
                 self._scan = None
@@ -394,9 +391,9 @@ class Robot(Observed):
             )
 
     def _has_room(self, x: float, y: float, more: float = 0.0) -> bool:
-        """Whether nothing is nearer than the body and so many metres more.
+        """Return True if nothing is nearer than the radius of the body plus some metres.
 
-        Known of a place, it is known of the places round it, which saves most looks at the walls.
+        The room at one place also limits the room at places near it, which saves most checks of the walls.
         """
         world, known_x, known_y, room = self._known_room
         least = self.radius + more
@@ -408,7 +405,7 @@ class Robot(Observed):
         return True
 
     def _around(self, x: float, y: float) -> World:
-        """The part of the world that the body may touch: pushed out, it moves by less than its size."""
+        """Return the part of the world that the body may touch. Pushing it out moves it by less than its size."""
         return self.world.near(x, y, 2 * self.radius)
 
     def _move(self, dt: float) -> None:
@@ -432,7 +429,7 @@ class Robot(Observed):
 
 
 def _moved(pose: Pose, ahead: float, left: float, turned: float) -> Pose:
-    """The pose after a way in metres and a turn in radians: the way leads where the robot looks halfway of the turn."""
+    """Return the pose after a path in metres and a turn in radians. The path has the heading halfway in the turn."""
     heading = pose.yaw + turned / 2
     return Pose(
         pose.x + ahead * cos(heading) - left * sin(heading),
@@ -442,7 +439,7 @@ def _moved(pose: Pose, ahead: float, left: float, turned: float) -> Pose:
 
 
 def _slowed(speed: float, travelled: float, dt: float) -> float:
-    """The speed of a body that a wall let travel this way: no more than it had, and not backward."""
+    """Return the speed of a body that a wall let travel this distance: at most its old speed, and never backward."""
     low, high = sorted((0.0, speed))
     return max(low, min(high, travelled / dt))
 

@@ -1,4 +1,4 @@
-"""The robot in real time, in a process of its own, which ends with this one, however this one ends."""
+"""The robot in real time, in a separate process, which ends with this process even after a crash."""
 
 from __future__ import annotations
 
@@ -22,31 +22,32 @@ from .real_time import RealTime
 from .robot import Robot
 
 SERVE = "import sys; sys.path += {path!r}; from robowidgets.simulator.robot_process import serve; serve()"
-"""The standard library comes first in the path: a file of the user with such a name is not imported."""
+"""The standard library comes first in the path, so that it is not hidden by a file of the user with the same name."""
 
 STATE, WORLD, MISSED = "state", "world", "missed"
-"""Names of messages that are not those of a topic."""
+"""The names of messages other than samples of a topic."""
 
 MOST_WAITING = 1000
-"""Samples of a topic that wait to be read, where each is wanted; when more come, the oldest are dropped and counted."""
+"""The highest number of waiting samples of a topic if each is wanted. The oldest are dropped and counted."""
 
 ALONE = 0.5
-"""Seconds between two looks whether the other process is still there."""
+"""Seconds between two checks if the other process is still running."""
 
 
 class RobotProcess:
-    """Runs a robot as `RealTime` does, in another process. Any thread may call each method.
+    """A robot that runs like `RealTime` in another process. Any thread may call each method.
 
-    The robot of this process follows that one, and what is changed of it here, such as on the page, is changed there.
+    The robot of this process follows the robot of the other process. Changes of the robot in this process, such as on
+    the page, are sent to the other process.
 
     Args:
-        robot, hz, wander, offers: as `RealTime` takes them; the functions are those of modules.
-        guard: what takes speeds in the process, ``"module:name"``: a function of a socket and of `RealTime.drive`,
-            which runs in a thread of its own. Empty: none.
-        on_guard: called in a thread of its own with the other end of that socket, for each process.
+        robot, hz, wander, offers: as in `RealTime`; each function must be a global function of a module.
+        guard: the function that receives speeds in the other process, as ``"module:name"``. It is called in a separate
+            thread with a socket and `RealTime.drive`. Empty for no guard.
+        on_guard: called for each process, in a separate thread, with the other end of the socket.
 
     Attributes:
-        pid: the number of the process; 0 before the first.
+        pid: the id of the process; 0 before the first process.
     """
 
     def __init__(
@@ -65,33 +66,33 @@ class RobotProcess:
         self._ended = False
         self._process: subprocess.Popen[bytes] | None = None
         self._pipe: IO[bytes] | None = None
-        """Its standard input, once it has got the robot."""
+        """The standard input of the process, once it has received the robot."""
         self._writing = threading.Lock()
         self._follower: threading.Thread | None = None
-        """The thread in which the robot follows the other one."""
+        """The thread in which the robot follows the other robot."""
         self._edits = 0
-        """Number of changes that were sent to the process; what it sent before the last one is no news."""
+        """The number of changes sent to the process. States from before the last change are ignored."""
         self._known = robot.pose, robot.world, robot.resets
-        """What both processes have, as far as this one knows."""
+        """The last state known to be the same in both processes."""
         robot.observe(self._on_edit)
 
     @property
     def pid(self) -> int:
-        """The number of the process; 0 before the first."""
+        """The id of the process; 0 before the first process."""
         return self._process.pid if self._process is not None else 0
 
     def want(self, topics: Collection[str], each: Collection[str] = ()) -> None:
         """See `RealTime`."""
         self._wanted = topics, each
-        with contextlib.suppress(OSError):  # the next process gets them
+        with contextlib.suppress(OSError):  # the next process receives them
             self._tell("want", topics, each)
 
     def drive(self, linear: float, angular: float, lateral: float) -> None:
-        """See `RealTime`. ConnectionRefusedError if the process has not started; OSError if it cannot be reached."""
+        """See `RealTime`; ConnectionRefusedError if the process has not started, OSError if it cannot be reached."""
         self._tell("drive", linear, angular, lateral)
 
     def end(self) -> None:
-        """End the process, and start no other."""
+        """End the process, and start no other process."""
         self._robot.unobserve(self._on_edit)
         with self._starting:
             self._ended = True
@@ -104,12 +105,12 @@ class RobotProcess:
         on_start: Callable[[], object],
         on_missed: Callable[[str, int], object],
     ) -> str:
-        """Run a process, with the robot as it is here, until it ends; returns why, for a person.
+        """Run a process with the present state of the robot until it ends. Return the reason of its end, for the user.
 
         Args:
-            on_sample: called as that of `RealTime`, with ``newest=False`` for a sample that was replaced already.
-            on_start: called when the robot there has moved for the first time.
-            on_missed: called with a topic of which each sample is wanted, and how many of them were dropped.
+            on_sample: called as in `RealTime`, with ``newest=False`` for a sample that is already replaced.
+            on_start: called when the first message of the process has come.
+            on_missed: called with a topic in ``each``, and the number of its samples that were dropped.
         """
         with self._starting:
             if self._ended:
@@ -122,7 +123,7 @@ class RobotProcess:
         try:
             with self._writing:
                 pickle.dump((self._robot, *self._rest, self._edits, self._guard, guarded), process.stdin)
-                # With the lock held: topics that are wanted from now on come after these, and replace them.
+                # With the lock held, so that later calls of `want` come after this one, and replace it.
                 pickle.dump(("want", *self._wanted), process.stdin)
                 process.stdin.flush()
                 self._pipe = process.stdin
@@ -151,11 +152,11 @@ class RobotProcess:
         return f"its process has ended, with code {process.returncode}"
 
     def _start(self) -> tuple[subprocess.Popen[bytes], int]:
-        """Start a process; the number of its end of the socket of its guard, or 0."""
+        """Start a process. Return it with the file descriptor of its end of the guard's socket, or 0."""
         ours, its = socket.socketpair() if self._guard else (None, None)
         command = [sys.executable, "-I", "-c", SERVE.format(path=import_path())]
         number = its.fileno() if its else 0
-        # In a session of its own an interrupt of the kernel does not reach it.
+        # In a new session, because an interrupt of the kernel must not reach it.
         process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
@@ -180,11 +181,11 @@ class RobotProcess:
             on_sample(name, value)
 
     def _on_edit(self) -> None:
-        """Send what was changed of the robot here. It is called, too, when the robot follows the other."""
+        """Send changes of the robot in this process. Calls while the robot follows the other robot are ignored."""
         if threading.current_thread() is not self._follower:
             robot, (pose, world, resets), self._edits = self._robot, self._known, self._edits + 1
             self._known = robot.pose, robot.world, robot.resets
-            with contextlib.suppress(OSError):  # the next process gets the robot as it is then
+            with contextlib.suppress(OSError):  # the next process receives the robot with its present state
                 moved = None if robot.pose == pose else robot.pose
                 changed = None if robot.world is world else robot.world
                 odometry = None if robot.resets == resets else robot.odometry
@@ -202,10 +203,10 @@ class RobotProcess:
 
 
 class _Outbox:
-    """In the process of the robot: writes the newest message of each name, as fast as they are read.
+    """The messages to write in the process of the robot: the newest of each name, as fast as they are read.
 
     Attributes:
-        each: the names of which each message is written.
+        each: the names for which every message is written.
     """
 
     def __init__(self) -> None:
@@ -216,7 +217,7 @@ class _Outbox:
         self._missed: Counter[str] = Counter()
 
     def put(self, name: str, message: Any) -> None:
-        """Write a message, in place of one of its name that waits if the newest is enough."""
+        """Add a message. It replaces a waiting message of its name if the newest is enough."""
         with self._lock:
             waiting = self._waiting.setdefault(name, [])
             if name not in self.each:
@@ -228,7 +229,7 @@ class _Outbox:
             self._changed.notify()
 
     def take(self) -> list[tuple[str, Any]]:
-        """Wait a moment for what is to be written."""
+        """Wait a moment for messages, and return all messages to write."""
         with self._lock:
             self._changed.wait_for(lambda: self._waiting, ALONE)
             messages = [(name, message) for name, waiting in self._waiting.items() for message in waiting]
@@ -237,23 +238,23 @@ class _Outbox:
         return [*messages, *missed]
 
     def write(self, out: IO[bytes], parent: int) -> None:
-        """Write until nobody reads any more, or the process that started this one is gone; then end this one."""
+        """Write until the reader or the parent process has ended, then end this process."""
         try:
             while os.getppid() == parent:
                 if messages := self.take():
                     pickle.dump(messages, out)
                     out.flush()
         except OSError:
-            pass  # nobody reads any more
+            pass  # the reader has ended
         except Exception:
             traceback.print_exc()
         os._exit(1)
 
 
 def serve() -> None:
-    """Run the robot that standard input has, in its process, until standard input ends."""
+    """Run the robot from standard input in this process, until standard input ends."""
     given, out, parent = sys.stdin.buffer, sys.stdout.buffer, os.getppid()
-    sys.stdout = sys.stderr  # what is printed must not get among the messages
+    sys.stdout = sys.stderr  # prints must not mix with the messages
     with contextlib.suppress(EOFError, OSError):
         robot, hz, wander, offers, edits, guard, number = pickle.load(given)
         real_time, outbox = RealTime(robot, hz, wander, offers), _Outbox()
@@ -270,7 +271,7 @@ def serve() -> None:
                 edits, pose, world, odometry = rest
                 try:
                     robot.place(world or robot.world, pose or robot.pose, odometry=odometry)
-                except ValueError:  # it has moved to where there is no room for that any more
+                except ValueError:  # the robot has moved, and the change does not fit any more
                     outbox.put(WORLD, robot.world)
             else:
                 if act == "want":

@@ -48,18 +48,18 @@ _MAZE_SIZE = (7, 5)
 
 
 def room(name: str, seed: int = 1) -> World:
-    """A ready-made room.
+    """Return a ready-made room.
 
-    ``"house"`` is `World.rooms`, ``"corridor"`` is 20 m long and turns, with doors to four chambers, ``"office"`` has
-    six rooms with desks on both sides of an aisle, and ``"maze"`` is another one for each seed, without loops, with
-    ways of 0.9 m.
+    ``"house"`` is `World.rooms`. ``"corridor"`` is 20 m long, with a corner and doors to four chambers. ``"office"``
+    has six rooms with desks on both sides of an aisle. ``"maze"`` is different for each seed, without loops, with
+    passages of 0.9 m.
 
     Args:
         name: house, corridor, office or maze.
-        seed: of the maze, a whole number of 0 or more.
+        seed: the seed of the maze, a whole number of 0 or more.
 
     Raises:
-        TypeError: the name is no text, or the seed no whole number.
+        TypeError: the name is not a text, or the seed is not a whole number.
         ValueError: no room has this name, or the seed is below 0.
 
     Examples:
@@ -84,7 +84,7 @@ def _house(_seed: int) -> World:
 
 
 def _maze(seed: int) -> World:
-    """A maze by a random walk that steps back where it cannot go on: floors of 2 by 2 squares, walls of one."""
+    """Return a maze by a random walk that steps back at dead ends. Floors are 2 by 2 squares, and walls one square."""
     rng = np.random.default_rng(seed)
     (across, up), cell = _MAZE_SIZE, 0.45
     rows = [["#"] * (3 * across + 1) for _ in range(3 * up + 1)]
@@ -97,8 +97,8 @@ def _maze(seed: int) -> World:
     open_floor(1, 1, 2, 2)
     while way:
         x, y = way[-1]
-        beside = [(x + dx, y + dy) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))]
-        free = [(i, j) for i, j in beside if 0 <= i < across and 0 <= j < up and (i, j) not in seen]
+        neighbours = [(x + dx, y + dy) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+        free = [(i, j) for i, j in neighbours if 0 <= i < across and 0 <= j < up and (i, j) not in seen]
         if not free:
             way.pop()
             continue

@@ -18,38 +18,39 @@ from .world import World, to_pose
 WALL_INTENSITY = 200.0
 OBSTACLE_INTENSITY = 80.0
 _HALF_INTENSITY = 4.0
-"""Metres at which the scanner receives half of the light."""
+"""The distance in metres at which the scanner receives half of the light."""
 
 
 @dataclass(frozen=True)
 class Scanner:
-    """A scanner on the robot, in its middle and looking forward unless told otherwise; all rays at one moment.
+    """A scanner on the robot. By default it is in its middle and looks forward. It measures all rays at one moment.
 
-    Its ranges follow REP-117 unless told otherwise: +inf if nothing is within range_max, -inf if an object is closer
-    than range_min, NaN if the measurement failed.
+    By default its ranges follow REP-117: +inf if nothing is within range_max, -inf if an object is closer than
+    range_min, NaN if the measurement failed.
 
     Args:
-        ray_count: rays in a scan.
+        ray_count: the number of rays in a scan.
         field_of_view: radians from the first ray to the last, or degrees as text (``"270deg"``), half on each side of
             forward. At 2 pi the last ray stops one step before the first one.
-        range_min: least distance that is measured, metres.
-        range_max: greatest distance that is measured, metres.
+        range_min: the shortest measured distance, metres.
+        range_max: the longest measured distance, metres.
         noise: standard deviation of a reading, metres.
         resolution: readings are rounded to multiples of this, metres; 0 does not round.
-        dropout: share of the rays that give NaN, 0 to 1.
+        dropout: share of the failed rays, 0 to 1.
         rate: scans per second.
-        intensities: whether to send intensities: 200 for a wall close by, 80 for an obstacle, half of that at 4 m.
+        intensities: True to send intensities: 200 for a wall close by, 80 for an obstacle, half of that at 4 m.
         frame_id: coordinate frame of the scans.
-        first_angle: angle of ray 0 in radians, or degrees as text; None: half of the field of view to the right.
-        noise_share: as `noise`, as a share of the distance, which is added.
-        nothing: sent in place of a range beyond range_max; drivers send 0 or codes, too.
-        too_close: sent in place of a range below range_min.
-        failed: sent in place of a failed measurement, one of these at random.
-        count_spread: by how many rays a scan may be longer or shorter.
-        period_spread: by which share the time from scan to scan may vary, 0 to 0.5.
+        first_angle: angle of ray 0 in radians, or degrees as text; None for half of the field of view to the right.
+        noise_share: standard deviation as a share of the distance, added to `noise`.
+        nothing: the value for a distance beyond range_max; some drivers send 0 or codes.
+        too_close: the value for a distance below range_min.
+        failed: the values for a failed measurement, chosen at random.
+        count_spread: the largest variation of the number of rays in a scan.
+        period_spread: the largest relative variation of the time from scan to scan, 0 to 0.5.
         mount: (x, y, yaw) of the scanner on the robot, metres and radians.
-        upside_down: whether it is mounted upside down: it sweeps clockwise and does not know it, so that left and right
-            are swapped in what it measures. Scans of a `Robot` know it, and have the angles of the robot.
+        upside_down: True for a scanner that is mounted upside down without knowing it. It sweeps clockwise, so that
+            left and right are swapped in its measurements. Scans of a `Robot` correct this: they have the angles of the
+            robot.
 
     Raises:
         TypeError: something is not a number.
@@ -137,18 +138,18 @@ class Scanner:
         return Mount.by_hand(self.mount[2], upside_down=self.upside_down)
 
     def placed(self, x: float, y: float, yaw: float) -> tuple[float, float, float]:
-        """The pose of the scanner on a robot at a pose; metres and radians."""
+        """Return the pose of the scanner on a robot at a pose, metres and radians."""
         return Pose(x, y, yaw).offset(*self.mount)
 
     def period_ns(self, seed: Sequence[int]) -> int:
-        """Nanoseconds from one scan to the next, which follow from a seed."""
+        """Return the nanoseconds from one scan to the next, which depend on a seed."""
         spread = self.period_spread * np.random.default_rng(seed).uniform(-1, 1) if self.period_spread else 0.0
         return round(1e9 / self.rate * (1 + spread))
 
     def measure(
         self, world: World, x: float, y: float, yaw: float, rng: np.random.Generator, stamp_ns: int | None = None
     ) -> Scan:
-        """The scan taken with the robot at a pose (metres, radians); noise and dropouts are of a random generator."""
+        """Return a scan of the robot at a pose (metres, radians), with noise and dropouts by a random generator."""
         count = self.ray_count
         if self.count_spread:
             count += int(rng.integers(-self.count_spread, self.count_spread, endpoint=True))

@@ -16,17 +16,17 @@ from .world import World, to_pose
 
 @dataclass(frozen=True)
 class Sonars:
-    """Sonars on the robot. Each measures the nearest thing in its cone, wherever in its width, and one after the other.
+    """Sonars on the robot, which measure in turn. Each measures the distance to the nearest thing in its cone.
 
     Ranges follow REP-117: +inf if nothing is within max_range, -inf if something is closer than min_range.
 
     Args:
-        poses: by the name of a sensor, where it is on the robot: (x, y, yaw) in metres and radians.
+        poses: by the name of a sensor, its pose on the robot: (x, y, yaw) in metres and radians.
         field_of_view: the opening angle of each cone in radians, or degrees as text (``"30deg"``), above 0, at most pi.
-        min_range: least distance that is measured, metres.
-        max_range: greatest distance that is measured, metres.
+        min_range: the shortest measured distance, metres.
+        max_range: the longest measured distance, metres.
         noise: standard deviation of a reading, metres.
-        noise_share: the same as a share of the distance, which is added.
+        noise_share: standard deviation as a share of the distance, added to `noise`.
         rate: readings of each sensor per second.
 
     Raises:
@@ -63,10 +63,10 @@ class Sonars:
             raise ValueError(f"rate: expected readings per second, above 0 and at most 1000, got {self.rate!r}")
 
     def number_at(self, name: str, time_ns: int) -> int:
-        """How many readings a sensor has made up to a time in nanoseconds: they take turns within each period.
+        """Return the number of readings of a sensor up to a time in nanoseconds. Sensors take turns in each period.
 
         Raises:
-            KeyError: there is no such sensor.
+            KeyError: the robot has no sensor with this name.
         """
         if name not in self.poses:
             known = f"there are: {', '.join(self.poses)}" if self.poses else "it has none; the model 'pioneer' has some"
@@ -75,18 +75,18 @@ class Sonars:
         return floor(time_ns * self.rate / 1e9 - turn) + 1
 
     def nearest(self, world: World, robot: Pose, name: str) -> float:
-        """Metres from a sensor to the nearest wall or obstacle in its cone, with the robot at a pose; inf for none."""
+        """Return the metres from a sensor to the nearest thing in its cone, for a robot at a pose; inf without one."""
         x, y, yaw = robot.offset(*self.poses[name])
         part = world.near(x, y, self.max_range)
-        # The nearest point of each thing; where that lies beside the cone, the nearest one in it is at an edge.
+        # The nearest point of each thing. If it lies outside the cone, the nearest point inside is at an edge of it.
         dx, dy = (part.nearest_points(x, y) - (x, y)).T
-        beside = np.abs((np.arctan2(dy, dx) - yaw + pi) % (2 * pi) - pi)
-        inside = np.hypot(dx, dy)[beside <= self.field_of_view / 2]
+        aside = np.abs((np.arctan2(dy, dx) - yaw + pi) % (2 * pi) - pi)
+        inside = np.hypot(dx, dy)[aside <= self.field_of_view / 2]
         walls, obstacles = cast_rays(part, x, y, yaw + self.field_of_view / 2 * np.array((-1.0, 0.0, 1.0)))
         return float(np.min(np.concatenate((inside, walls, obstacles)), initial=inf))
 
     def measure(self, world: World, robot: Pose, name: str, rng: np.random.Generator, stamp_ns: int) -> Range:
-        """The reading of a sensor with the robot at a pose; noise is of a random generator."""
+        """Return the reading of a sensor with the robot at a pose, with noise by a random generator."""
         distance = self.nearest(world, robot, name)
         if distance < inf:
             distance += (self.noise + self.noise_share * distance) * float(rng.standard_normal())

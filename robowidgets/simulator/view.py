@@ -1,4 +1,4 @@
-"""A simulated robot in its room on the page, from above."""
+"""A widget with a simulated robot in its room, seen from above."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from ..samples.checks import finite
 from .robot import Robot
 
 HEADER = struct.Struct("<14d")
-"""Time, robot (x, y, yaw, radius), scan (x, y, yaw of the robot, angle_min, angle_increment, range_max), numbers of
-rays, of places on the path and of obstacles. The ranges follow, then triples (time, x, y) and (x, y, radius), all as
-float32."""
+"""Time, robot (x, y, yaw, radius), scan (x, y, yaw of the robot, angle_min, angle_increment, range_max), and the
+numbers of rays, of places on the path, and of obstacles. After the header come the ranges, and triples (time, x, y)
+and (x, y, radius), all as float32."""
 
 PATH_SECONDS = 30.0
 _PATH_STEP = 0.05
@@ -37,24 +37,24 @@ _MOST_OBSTACLES = 200
 class View(BeatingWidget, FreezableWidget):
     """A simulated robot in its room, from above and to scale, with its readings and the path of the last 30 s.
 
-    Of a feed, it also shows what programs draw on the laser widgets that are connected to the feed.
+    For a feed, it also shows the shapes that programs draw on the laser widgets of the feed.
 
-    On the page, robot and obstacles are dragged, the robot is turned by its handle, and obstacles are put and removed:
-    by pointer, touch or keys (``n`` next thing, arrows, ``[`` ``]``, ``o``, Delete). What has no room stays where it
-    was. While a cell computes, the picture goes on where the simulation does, and the page's edits are made as soon as
-    the kernel takes its messages: at once with ipykernel 7, else when the cell ends.
+    On the page, the user drags the robot and obstacles, turns the robot by its handle, and adds and removes obstacles,
+    by pointer, touch or keys (``n`` next thing, arrows, ``[`` ``]``, ``o``, Delete). A thing without room stays at its
+    old place. While a cell computes, the picture goes on if the simulation does. Edits of the page are made as soon as
+    the kernel handles messages: at once with ipykernel 7, otherwise when the cell ends.
 
-    It is frozen with the other widgets of its feed. A press on it lets it go on, so that nothing is dragged from where
-    it is no more.
+    It is frozen together with the other widgets of its feed. A press on it ends this, so that the user never drags
+    things from an outdated place.
 
     Args:
         robot: a `Robot`, or a feed of `robowidgets.feeds.simulator`.
         title: text for the header.
-        paused: whether the picture is frozen.
-        header, footer: whether they are shown.
+        paused: True while the picture is frozen.
+        header, footer: True to show them.
 
     Raises:
-        TypeError: something else, or an unknown keyword.
+        TypeError: not a robot or such a feed, or an unknown keyword.
 
     Examples:
         >>> from robowidgets.simulator import Robot, View, room
@@ -68,9 +68,9 @@ class View(BeatingWidget, FreezableWidget):
     beats = True
     sample_name = "room"
     send_interval = 1 / 30
-    """Seconds between two pictures, at least."""
+    """The shortest time in seconds between two pictures."""
 
-    footer = Flag(True, help="Whether places stand below the picture.").tag(sync=True)
+    footer = Flag(True, help="True to show coordinates below the picture.").tag(sync=True)
     _walls = bytes_trait(echo_update=False)
     _drops = bytes_trait(echo_update=False)
     _shapes: traitlets.List[Any] = traitlets.List().tag(sync=True, echo_update=False)
@@ -100,11 +100,11 @@ class View(BeatingWidget, FreezableWidget):
         route_by_message(self.comm)
 
     def freeze_with_robot(self) -> None:
-        """Have the page freeze it with all widgets of the robot of its feed, and them with it, wherever they are."""
+        """Freeze it on the page together with all widgets of the robot of its feed."""
         self._together = self._connection.page_name if self._connection is not None else ""
 
     def close(self) -> None:
-        """Remove the widget from the page; the robot goes on."""
+        """Remove the widget from the page. The robot goes on."""
         if "_robot" in vars(self):
             self._robot.unobserve(self._on_step)
             if self._connection is not None:
@@ -120,7 +120,7 @@ class View(BeatingWidget, FreezableWidget):
     # -- to the page ---------------------------------------------------------------------------------------------------
 
     def _on_step(self) -> None:
-        """Note the path, and have the pacer send the picture. In the thread that steps the robot, or moves it."""
+        """Extend the path, and request a picture. Runs in the thread that steps or moves the robot."""
         robot, path = self._robot, self._path
         x, y, _ = robot.pose
         if not path or hypot(x - path[-1][1], y - path[-1][2]) >= _PATH_STEP:
@@ -130,7 +130,7 @@ class View(BeatingWidget, FreezableWidget):
         pacer.mark(self)
 
     def send_newest(self) -> int:
-        """Send the newest picture to the page; returns the number of bytes sent. The pacer calls it."""
+        """Send the newest picture to the page. Return the number of bytes sent. The pacer calls it."""
         with self._send_lock:
             if self.comm is None:
                 return 0
@@ -144,7 +144,7 @@ class View(BeatingWidget, FreezableWidget):
             return len(self._frame) if "_frame" in changed else 0
 
     def get_state(self, key: str | Iterable[str] | None = None, drop_defaults: bool = False) -> dict[str, Any]:
-        """The synced traits, with the newest picture: what a new view, a reload and a saved notebook get."""
+        """Return the synced traits with the newest picture, for a new view, a reload and a saved notebook."""
         if key is None and "_robot" in vars(self):
             with self._send_lock:
                 self._bring_up_to_date()
@@ -152,7 +152,7 @@ class View(BeatingWidget, FreezableWidget):
         return state
 
     def _bring_up_to_date(self) -> None:
-        """Pack the newest picture, without sending it, as setting the traits would."""
+        """Pack the newest picture without sending it. Setting the traits would send it."""
         world = self._robot.world
         if world.walls is not self._shown_walls:
             self._shown_walls, self._walls = world.walls, world.walls.astype("<f4").tobytes()
@@ -170,10 +170,10 @@ class View(BeatingWidget, FreezableWidget):
 
     def _pack(self) -> bytes:
         robot, path = self._robot, np.array([*self._path], "<f4")
-        # Its angles are the robot's, as those of the shapes that programs draw.
+        # The angles are relative to the robot, like the angles of shapes that programs draw.
         scan, (x, y, yaw) = robot.scan(), robot.scan_pose.offset(0.0, 0.0, -robot.scanner.mount[2])
         is_met = scan.validity == Validity.READING
-        # A code that also stands for failed measurements does not say that the way is free.
+        # A code that also stands for failed measurements does not mean that the way is free.
         scanner = robot.scanner
         is_nothing = (scan.ranges == np.float32(scanner.nothing)) & (scanner.nothing not in scanner.failed)
         ranges = np.where(is_met, scan.ranges, np.where(is_nothing, np.inf, np.nan))
@@ -186,7 +186,7 @@ class View(BeatingWidget, FreezableWidget):
     # -- from the page -------------------------------------------------------------------------------------------------
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
-        """Make an edit of the page, in the main thread or a subshell's, and answer it."""
+        """Make an edit of the page, and answer it. Runs in the main thread or in the thread of a subshell."""
         refused = ""
         try:
             self._edit(content)

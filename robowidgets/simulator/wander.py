@@ -8,13 +8,13 @@ from .robot import Robot
 
 
 def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[None]:
-    """Drive forward; at a bump or an edge stop, back up, turn away and drive on, forever.
+    """Drive forward; at a bump or an edge, stop, back up, turn away and drive on, forever.
 
-    It commands speeds, then yields to its caller, which steps the robot and uses the data.
+    It commands speeds, then yields to its caller, which steps the robot.
 
     Args:
         robot: the robot to drive.
-        linear: speed forward, m/s; at most 0.3 in a world with drops, so that it stops in time.
+        linear: speed forward, m/s; in a world with drops limited to 0.3, so that the robot stops in time.
         angular: speed of a turn, rad/s.
 
     Examples:
@@ -42,11 +42,11 @@ def wander(robot: Robot, linear: float = 0.5, angular: float = 1.2) -> Iterator[
         yield from _wait(robot, 1.0)
         robot.drive(0.0, turn)
         yield from _wait(robot, turn_time)
-        turn_time = 0.8 + turn_time % 1.1  # turns of different lengths, or it may run in a circle
+        turn_time = 0.8 + turn_time % 1.1  # turns of different lengths, so that it does not run in a circle
 
 
 def _is_blocked(robot: Robot) -> bool:
-    """Whether something is in the way: a bumper is pressed, or the scanner of a robot without bumpers sees it."""
+    """Return True if a bumper is pressed, or if the scanner of a robot without bumpers sees a near thing."""
     touched = robot.touch().touched
     return any(touched.values()) if touched else robot.scan().distance("front") < robot.radius + 0.3
 

@@ -17,9 +17,9 @@ from ._maps import grid_of_map
 Floats = NDArray[np.float64]
 
 _FEW = 64
-"""Number of walls up to which trying all is quicker than remembering those nearby."""
+"""The number of walls up to which testing all is faster than a cache of the near walls."""
 _SQUARE = 1.0
-"""Metres of the squares for which the walls nearby are remembered."""
+"""The side of the squares of that cache in metres."""
 
 
 class World:
@@ -31,7 +31,7 @@ class World:
     Args:
         walls: W segments as (x1, y1, x2, y2) in metres.
         obstacles: O discs as (x, y, radius) in metres.
-        start: the pose at which a robot starts unless it is given another: (x, y, yaw), metres and radians.
+        start: the default start pose of a robot: (x, y, yaw), metres and radians.
         drops: D rectangles without floor, as two opposite corners (x1, y1, x2, y2) in metres.
 
     Raises:
@@ -68,18 +68,18 @@ class World:
 
     @classmethod
     def from_text(cls, text: str, cell: float = 0.5) -> World:
-        """A room that is drawn as text, a character for each square of the floor.
+        """Return a room that is drawn as text, a character for each square of the floor.
 
         ``#`` is a wall, a space or ``.`` is free floor, ``o`` is a round obstacle, ``=`` is a drop, and one of
-        ``> < ^ v`` is the start of the robot with its heading. Spaces before and after all else in a line lie outside.
-        The corner at the bottom left is (0, 0).
+        ``> < ^ v`` is the start of the robot with its heading. Spaces at the ends of a line are outside of the room.
+        The bottom left corner is (0, 0).
 
         Args:
-            text: its lines, from top to bottom.
-            cell: metres of the side of a square.
+            text: the lines, from top to bottom.
+            cell: the side of a square in metres.
 
         Raises:
-            TypeError: it is no text, or the cell no number.
+            TypeError: the text is not a text, or the cell is not a number.
             ValueError: another character, two starts, no free floor, or a cell that is not above 0.
 
         Examples:
@@ -95,18 +95,18 @@ class World:
 
     @classmethod
     def from_map(cls, source: Any, start: Sequence[float] | None = None) -> World:
-        """The room of a map that a robot has made.
+        """Return the room of a map that a robot has made.
 
-        Occupied cells are walls: those of at least 65 % in a message, those above ``occupied_thresh`` in a file. Where
-        the map is unknown, and beyond its ends, nothing is in the way.
+        Occupied cells are walls: cells of at least 65 % in a message, or above ``occupied_thresh`` in a file. Unknown
+        cells and the area outside of the map do not stop a robot.
 
         Args:
-            source: a nav_msgs/OccupancyGrid, as a message or a dict; or the path of a YAML file as map_server writes
-                it, with its image in PGM.
-            start: the pose at which a robot starts, (x, y, yaw); None: the roomy place nearest to the middle.
+            source: a nav_msgs/OccupancyGrid, as a message or a dict; or the path of a YAML file of map_server, with its
+                image in PGM.
+            start: the start pose of a robot, (x, y, yaw), or None for the roomy place nearest to the middle.
 
         Raises:
-            TypeError: it is neither. OSError: a file cannot be read.
+            TypeError: the source is neither. OSError: a file cannot be read.
             ValueError: something in the map is missing or out of range, or no cell is free.
 
         Examples:
@@ -124,14 +124,14 @@ class World:
         return cls(grid.walls(), grid.obstacles, grid.start(), grid.drops)
 
     def with_obstacles(self, obstacles: ArrayLike) -> World:
-        """The same walls and drops with other obstacles."""
+        """Return a world with the same walls and drops and other obstacles."""
         world = World((), obstacles, self.start, self.drops)
         world.walls = self.walls
         return world
 
     @classmethod
     def rooms(cls) -> World:
-        """A house of 14 m by 9 m: a large hall round (0, 0), a kitchen, a bedroom, a study and a bath.
+        """Return a house of 14 m by 9 m: a large hall around (0, 0), a kitchen, a bedroom, a study and a bath.
 
         Doors are 1.1 m wide and open. Tables, chairs, plants and a pillar are the round obstacles.
         """
@@ -161,7 +161,7 @@ class World:
         )
 
     def nearest_points(self, x: float, y: float) -> Floats:
-        """The point of each wall, then of each obstacle, nearest to (x, y): shape (W + O, 2), metres."""
+        """Return the nearest point to (x, y) of each wall, then of each obstacle: shape (W + O, 2), metres."""
         start, edge, length_squared = self._edges
         here = np.array((x, y))
         along = np.clip(((here - start) * edge).sum(axis=1) / length_squared, 0.0, 1.0)
@@ -173,9 +173,9 @@ class World:
         return np.concatenate((on_walls, on_obstacles))
 
     def near(self, x: float, y: float, reach: float) -> World:
-        """A part of the world with all that lies within `reach` metres of (x, y), and some more.
+        """Return a part of the world with all walls and obstacles within `reach` metres of (x, y), and some more.
 
-        Of a map with thousands of walls these are few; the parts are remembered.
+        The parts are cached: a map may have thousands of walls, but only a few of them are near.
         """
         if len(self.walls) <= _FEW:
             return self
@@ -188,13 +188,13 @@ class World:
         return self._near[key]
 
     def clearance(self, x: float, y: float) -> float:
-        """Metres from (x, y) to the nearest wall or obstacle: negative inside an obstacle, inf in an empty world."""
+        """Return metres from (x, y) to the nearest wall or obstacle: negative in an obstacle, inf in an empty world."""
         to_points = np.hypot(*(self.nearest_points(x, y)[: len(self.walls)] - (x, y)).T)
         to_obstacles = np.hypot(self.obstacles[:, 0] - x, self.obstacles[:, 1] - y) - self.obstacles[:, 2]
         return float(np.min(np.concatenate((to_points, to_obstacles)), initial=np.inf))
 
     def has_drop(self, x: float, y: float) -> bool:
-        """Whether there is no floor at (x, y)."""
+        """Return True if the floor is missing at (x, y)."""
         return any(west <= x <= east and south <= y <= north for west, south, east, north in self._drop_edges)
 
     @cached_property
@@ -204,7 +204,7 @@ class World:
 
 
 def to_pose(name: str, pose: Sequence[float]) -> tuple[float, float, float]:
-    """A pose as three floats; TypeError or ValueError unless it is (x, y, yaw)."""
+    """Return a pose as three floats; TypeError or ValueError unless it is (x, y, yaw)."""
     if len(pose) != 3:
         raise ValueError(f"{name}: expected (x, y, yaw), got {len(pose)} values")
     x, y = (finite(f"{name}.{axis}", value, "m") for axis, value in zip("xy", pose[:2], strict=True))
@@ -212,7 +212,7 @@ def to_pose(name: str, pose: Sequence[float]) -> tuple[float, float, float]:
 
 
 def _table(name: str, rows: Any, columns: tuple[str, ...]) -> Floats:
-    """A read-only array of shape (N, number of columns)."""
+    """Return a read-only array of shape (N, number of columns)."""
     expected = f"{name}: expected rows of ({', '.join(columns)}) in metres"
     try:
         table = np.array(rows, dtype=np.float64)

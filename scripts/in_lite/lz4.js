@@ -24,7 +24,7 @@ exports.decompress = (frame) => {
   return out.subarray(0, end);
 };
 
-/** Unpacks the bytes of a block behind what came before, to which it may refer; returns where it ends. */
+/** Unpacks the bytes of a block after the earlier output, to which it may refer. Returns the new end of the output. */
 function unpackBlock(from, start, stop, out, end) {
   let at = start;
   const more = (size) => {

@@ -1,4 +1,4 @@
-"""As `lz4.frame`, as far as recordings are read with it: in a browser, by JavaScript."""
+"""The part of `lz4.frame` that reads recordings, in JavaScript for a browser."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ _lz4 = script("_lz4.js")
 
 _MAGIC = 0x184D2204
 _PLAIN = 1 << 31
-"""The bit of a block's size that says that it is not compressed."""
+"""The bit of a block's size that marks an uncompressed block."""
 
 
 class LZ4FrameDecompressor(WholeFrames):
-    """As that of `lz4.frame`."""
+    """See `lz4.frame.LZ4FrameDecompressor`."""
 
     # Source: https://github.com/lz4/lz4/blob/dev/doc/lz4_Frame_format.md
     def _end(self, data: bytearray) -> int | None:
@@ -20,7 +20,7 @@ class LZ4FrameDecompressor(WholeFrames):
             return None
         flags = data[4]
         if int.from_bytes(data[:4], "little") != _MAGIC or flags >> 6 != 1:
-            raise RuntimeError("no lz4 data")
+            raise RuntimeError("not lz4 data")
         at, size = 7 + 8 * (flags >> 3 & 1) + 4 * (flags & 1), 1
         while size:
             if at + 4 > len(data):
@@ -35,10 +35,10 @@ class LZ4FrameDecompressor(WholeFrames):
 
 
 def decompress(data: bytes) -> bytes:
-    """As that of `lz4.frame`."""
+    """See `lz4.frame.decompress`."""
     return call(_lz4.decompress, data, RuntimeError)
 
 
 def compress(data: bytes, compression_level: int = 0) -> bytes:
-    """Not there: what is written in a browser is not compressed."""
-    raise NotImplementedError("nothing is compressed by lz4 in a browser")
+    """Raise NotImplementedError: files written in a browser are not compressed."""
+    raise NotImplementedError("lz4 compression is not available in a browser")

@@ -1,5 +1,5 @@
-// Begins each page of JupyterLite: says what this browser cannot do, and how much of Python is loaded. The kernel then
-// has these files from the browser's cache.
+// The start of each page of JupyterLite: shows missing features of the browser, and the progress of loading Python. The
+// kernel then loads these files from the browser's cache.
 const SITE = new URL(".", import.meta.url);
 const AT_ONCE = 4;
 
@@ -19,7 +19,7 @@ const STYLE = `
   .rw-start { color: #eee; background: #111; accent-color: #64b5f6; --quiet: #aaa; color-scheme: dark; }
 }`;
 
-/** Puts words over the page, in an element whose content is `inner`. */
+/** Shows an element with the content `inner` over the page. */
 function show(kind, inner) {
   const box = document.createElement("section");
   box.className = `rw-start ${kind}`;
@@ -28,7 +28,7 @@ function show(kind, inner) {
   return box;
 }
 
-/** Says what does not work, until it is closed. */
+/** Shows a message about missing features until the user closes it. */
 function sayWhatIsMissing(words) {
   const missing = [];
   if (!("Suspending" in WebAssembly)) missing.push(words.noSwitching);
@@ -39,7 +39,7 @@ function sayWhatIsMissing(words) {
   box.querySelector("button").onclick = () => box.remove();
 }
 
-/** Fetches files, whose sizes are known, and shows how far that is. */
+/** Fetches files of known sizes, and shows the progress. */
 async function load(sizes) {
   const box = show(
     "rw-loading",

@@ -1,4 +1,4 @@
-"""Decompressors as those of Python and of lz4, for functions of JavaScript that take a frame as a whole."""
+"""Decompressors with the interface of Python's and lz4's, for JavaScript functions that need a complete frame."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 
 class WholeFrames:
-    """Takes the bytes of a frame, in any pieces, and gives what is in it once all have come.
+    """A decompressor that collects the bytes of a frame in any pieces, and returns its content once it is complete.
 
-    Of a frame that is damaged, or cut off, it gives nothing. A subclass says where a frame ends, and what is in it.
+    It returns nothing of a frame that is damaged or cut off. A subclass finds the end of a frame and unpacks it.
     """
 
     def __init__(self) -> None:
@@ -19,7 +19,7 @@ class WholeFrames:
         self._left = memoryview(b"")
 
     def decompress(self, data: bytes, max_length: int = -1) -> bytes:
-        """As `compression.zstd.ZstdDecompressor.decompress`."""
+        """See `compression.zstd.ZstdDecompressor.decompress`."""
         if self.eof:
             raise EOFError("the frame has ended")
         if self.needs_input:
@@ -37,7 +37,7 @@ class WholeFrames:
         return piece
 
     def _end(self, data: bytearray) -> int | None:
-        """Where the frame ends with which these bytes begin; None: it goes on."""
+        """Return the end of the frame at the start of these bytes, or None if the frame is not complete."""
         raise NotImplementedError
 
     def _unpack(self, frame: bytes) -> bytes:
@@ -45,7 +45,7 @@ class WholeFrames:
 
 
 def script(name: str) -> Any:
-    """What a script beside this file exports, as those for Node do."""
+    """Return the exports of a CommonJS script in the folder of this file."""
     from pyodide.code import run_js
 
     text = Path(__file__).with_name(name).read_text(encoding="utf-8")
@@ -53,7 +53,7 @@ def script(name: str) -> Any:
 
 
 def call(function: Callable[[Any], Any], data: bytes, error: type[Exception]) -> bytes:
-    """What a function of JavaScript makes of some bytes; what it throws is raised as that error."""
+    """Return the result of a JavaScript function for some bytes. Its exceptions are raised as the given error."""
     from pyodide.ffi import JsException, to_js
 
     try:

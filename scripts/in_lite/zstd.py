@@ -1,4 +1,4 @@
-"""As `backports.zstd`, as far as recordings are read with it: in a browser, by fzstd."""
+"""The part of `backports.zstd` that reads recordings, by fzstd in a browser."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ _RUN, _RESERVED = 1, 3
 
 
 class ZstdError(Exception):
-    """Data that are no whole zstd."""
+    """Data that are not complete zstd data."""
 
 
 class ZstdDecompressor(WholeFrames):
-    """As that of `backports.zstd`."""
+    """See `backports.zstd.ZstdDecompressor`."""
 
     # Source: RFC 8878, sections 3.1.1 and 3.1.2.
     def _end(self, data: bytearray) -> int | None:
@@ -26,7 +26,7 @@ class ZstdDecompressor(WholeFrames):
             at = 8 + int.from_bytes(data[4:8], "little")
             return at if at <= len(data) else None
         if magic != _MAGIC:
-            raise ZstdError("no zstd data")
+            raise ZstdError("not zstd data")
         flags = data[4]
         is_single = flags >> 5 & 1
         size = (is_single, 2, 4, 8)[flags >> 6]
@@ -47,5 +47,5 @@ class ZstdDecompressor(WholeFrames):
 
 
 def decompress(data: bytes) -> bytes:
-    """As that of `backports.zstd`."""
+    """See `backports.zstd.decompress`."""
     return call(_fzstd.decompress, data, ZstdError)

@@ -105,7 +105,7 @@ def test_arguments_that_make_no_sense_are_2(arguments, text, capsys):
 
 def test_help_names_the_commands_and_what_they_take(capsys):
     for arguments, words in (
-        (["--help"], ["demo", "open a tour", "info", "print what a recording holds"]),
+        (["--help"], ["demo", "open a tour", "info", "print the contents of a recording"]),
         (["demo", "--help"], ["--port", "127.0.0.1", "--no-browser"]),
         (["open", "--help"], ["FILE", ".mcap", "CARMEN", "--port", "--no-browser"]),
         (["info", "--help"], ["FILE", "rosbag2 folder", "--json"]),
@@ -170,7 +170,7 @@ def test_a_notebook_that_a_person_changed_stays_where_it_was_and_as_it_was(lab, 
     main(["demo"])
     tour = lab[0][0]
     assert tour.parent == tmp_path / "robowidgets-notebooks"
-    assert f"Opening {tour} in JupyterLab. It is yours: it stays there" in capsys.readouterr().out
+    assert f"Opening {tour} in JupyterLab. It is your copy: you can" in capsys.readouterr().out
     tour.write_text("mine")
     main(["demo"])
     assert tour.read_text() == "mine"
@@ -195,7 +195,7 @@ def test_the_terminal_says_what_takes_the_time_and_what_went_wrong(monkeypatch, 
     main(["demo"])
     opening, running, failed = capsys.readouterr().out.splitlines()
     assert "tour.ipynb in JupyterLab" in opening
-    assert running.startswith("First its cells are run")
+    assert running.startswith("Running its cells first")
     assert failed == "A cell failed."
 
 
@@ -374,7 +374,7 @@ def test_find_that_is_interrupted_prints_what_it_found(capsys, monkeypatch):
 
     monkeypatch.setattr("robowidgets.recordings.columns.speeds.Speeds.chunks", interrupted)
     assert main(["find", str(robowidgets.SAMPLE), "--speed-above", "0.1"]) == 130
-    assert capsys.readouterr().out.splitlines()[-1] == "# stopped at 0.000: nothing after that was looked at"
+    assert capsys.readouterr().out.splitlines()[-1] == "# stopped at 0.000: the rest was not searched"
 
 
 def test_a_folder_for_notebooks_that_is_a_file_is_one_line(tmp_path, capsys):
@@ -428,7 +428,7 @@ def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
             "(--start, --end), fewer topics, or every second scan (--every 2), or allow more (--max-size",
         ),
         (["-o", "a.txt"], "expected a name that ends in .html or .htm"),
-        (["-o", "there.html"], "there.html: is there already; replace it with --force, or name another with -o"),
+        (["-o", "there.html"], "there.html: already exists; replace it with --force, or name another with -o"),
         (["--topic", "/sacn"], "no topic '/sacn'"),
     ],
 )

@@ -19,12 +19,12 @@ FILE = str(robowidgets.SAMPLE)
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (["--gap", "0.19", "--scan", "/nonsense"], "--scan says where to look for --nearest-below, which is not asked"),
-        (["--gap", "1", "--sector", "1", "2"], "--sector says where to look for --nearest-below, which is not asked"),
-        (["--touched", "--axis", "nonsense"], "--axis says where to look for --speed-above, which is not asked"),
-        (["--touched", "--speed", "/odom"], "--speed says where to look for --speed-above, which is not asked"),
-        (["--gap", "1", "--touch", "/bumper"], "--touch says where to look for --touched, which is not asked"),
-        (["--touched", "--silent", "/bumper"], "--silent says where to look for --gap, which is not asked"),
+        (["--gap", "0.19", "--scan", "/nonsense"], "--scan needs --nearest-below, which is missing"),
+        (["--gap", "1", "--sector", "1", "2"], "--sector needs --nearest-below, which is missing"),
+        (["--touched", "--axis", "nonsense"], "--axis needs --speed-above, which is missing"),
+        (["--touched", "--speed", "/odom"], "--speed needs --speed-above, which is missing"),
+        (["--gap", "1", "--touch", "/bumper"], "--touch needs --touched, which is missing"),
+        (["--touched", "--silent", "/bumper"], "--silent needs --gap, which is missing"),
         (["--nearest-below", "0"], "find: --nearest-below: expected metres above 0, got 0.0"),
         (["--speed-above", "-1"], "find: --speed-above: expected a speed, 0 or more, got -1.0"),
         (

@@ -161,7 +161,7 @@ def test_a_cell_that_is_worth_nothing_when_nobody_looks_is_left_alone(run):
 def test_what_goes_wrong_is_said_and_what_was_shown_before_is_kept(run, name, reason):
     notebook, (said,), trusted, answers = run[name]
     assert said.startswith(reason)
-    assert said.endswith(". The rest is left for you to run.")
+    assert said.endswith(". Please run the remaining cells yourself.")
     assert texts(notebook) == [["begin\n"], ["error"] if name == "asking" else [], []]
     assert trusted
     assert answers == ([] if name == "dying" else ["ok"])
@@ -170,7 +170,7 @@ def test_what_goes_wrong_is_said_and_what_was_shown_before_is_kept(run, name, re
 @pytest.mark.versions
 def test_a_kernel_that_is_not_there_is_said(run):
     notebook, said, _, answers = run["foreign"]
-    assert said == ["The kernel failed: No such kernel named cobol. The rest is left for you to run."]
+    assert said == ["The kernel failed: No such kernel named cobol. Please run the remaining cells yourself."]
     assert texts(notebook) == [[]]
     assert answers == []
 
@@ -194,5 +194,5 @@ def test_it_can_be_stopped_while_a_cell_runs(tmp_path, start):
         assert process.wait() == 0
         said = (folder / "log").read_text()
         assert "http://127.0.0.1" not in said
-        assert "The rest is left for you to run" not in said
+        assert "Please run the remaining cells yourself" not in said
         assert list(folder.glob("JUPYTER_RUNTIME_DIR/jpserver-*")) == []

@@ -112,7 +112,7 @@ def test_each_submission_has_the_marks_of_its_answers_and_each_is_named_with_wha
         "empty": "e.ipynb: it is empty",
         "killer": "k.ipynb: an answer ended its process (SIGKILL)",
         "leaver": "l.ipynb: an answer ended its process (code 0)",
-        "nothing": "there is no notebook and no report in the folder",
+        "nothing": "the folder contains neither a notebook nor a report",
         "torn": next(problem for problem in found.problems if "torn" in problem).split(": ", 1)[1],
     }
     assert any(problem.startswith("torn: t.ipynb: it is damaged: JSONDecodeError") for problem in found.problems)
@@ -155,9 +155,9 @@ def test_the_command_marks_a_folder_and_refuses_one_that_is_not_there(
     assert main(["lessons", "--summary", "."]) == 1
     assert "is damaged" in capsys.readouterr().err
     assert main(["lessons", "--grade", "none"]) == 1
-    assert "there is no folder 'none'" in capsys.readouterr().err
+    assert "'none' is not a folder" in capsys.readouterr().err
     assert main(["lessons", "--summary", ".", "--user", "nobody"]) == 1
-    assert "it goes with --grade" in capsys.readouterr().err
+    assert "use it with --grade" in capsys.readouterr().err
 
 
 def can_be_nobody() -> str:

@@ -108,7 +108,7 @@ class TestProgress:
         lessons.check(bumper_reflex)
         assert progress.done == ("bumper_reflex",)
         (folder / FILE).write_text("[]", encoding="utf-8")
-        assert "It is robowidgets-progress.damaged2.json now" in repr(lessons.progress())
+        assert "It was renamed to robowidgets-progress.damaged2.json" in repr(lessons.progress())
         assert (folder / "robowidgets-progress.damaged.json").read_text("utf-8").endswith(" les")
         assert (folder / "robowidgets-progress.damaged2.json").read_text("utf-8") == "[]"
 
@@ -116,7 +116,7 @@ class TestProgress:
         progress = lessons.progress()
         (folder / f".{FILE}.{os.getpid()}.part").mkdir()
         assert lessons.check(bumper_reflex)
-        assert "It cannot be kept: " in repr(progress)
+        assert "It cannot be saved: " in repr(progress)
 
     def test_a_file_that_cannot_be_read_for_a_moment_stays_as_it_is(
         self, folder: Path, monkeypatch: pytest.MonkeyPatch
@@ -130,7 +130,7 @@ class TestProgress:
         with monkeypatch.context() as patched:
             patched.setattr(_progress, "read", away)
             lessons.check(bumper_reflex)
-            assert repr(progress).startswith("1 of 12 done. It cannot be kept: ")
+            assert repr(progress).startswith("1 of 12 done. It cannot be saved: ")
             with pytest.raises(OSError, match="Stale file handle"):
                 lessons.report("ada.json")
         assert [file.name for file in folder.iterdir()] == [FILE]
@@ -172,10 +172,10 @@ class TestReport:
         assert read(folder / "ada.json") == read(folder / FILE)
         assert lessons.report("ada.json")  # again, over the report of before
         for name in ("ada", "ada.txt", FILE):
-            with pytest.raises(ValueError, match="expected a file name with your own name"):
+            with pytest.raises(ValueError, match="expected a file name with your name"):
                 lessons.report(name)
         (folder / "mine.json").write_text('{"front": 1}', encoding="utf-8")
-        with pytest.raises(FileExistsError, match="another file, which stays as it is"):
+        with pytest.raises(FileExistsError, match="another file and was not changed"):
             lessons.report("mine.json")
         assert (folder / "mine.json").read_text("utf-8") == '{"front": 1}'
 
@@ -184,10 +184,10 @@ class TestReport:
         [
             ("", "is damaged: Expecting value"),
             ("[" * 100_000, "is damaged"),
-            ('{"kind": "x"}', "is no report of the lessons"),
-            ('{"kind": "robowidgets lessons", "version": 2}', "is of version 2"),
+            ('{"kind": "x"}', "is not a report of the lessons"),
+            ('{"kind": "robowidgets lessons", "version": 2}', "has version 2"),
             ('{"kind": "robowidgets lessons", "version": 1}', "it has no tasks"),
-            ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"x": {}}}', "not known here: 'x'"),
+            ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"x": {}}}', "an unknown task: 'x'"),
             ('{"kind": "robowidgets lessons", "version": 1, "tasks": {"wall_ahead": 3}}', "is damaged at wall_ahead"),
             (
                 '{"kind": "robowidgets lessons", "version": 1, "tasks": {"wall_ahead": {"done": "yes"}}}',
@@ -235,7 +235,7 @@ class TestSummary:
         assert "2 stuck at fits_through: �[2J<i>bo, di\n  2 ×  drive closer by … m" in said
         assert "not read: torn.json is damaged: " in said
         assert "\x1b" not in said
-        with pytest.raises(NotADirectoryError, match="there is no folder 'none'"):
+        with pytest.raises(NotADirectoryError, match="'none' is not a folder"):
             lessons.summary("none")
 
     def test_its_page_shows_texts_of_students_as_text(self, folder: Path) -> None:
@@ -333,16 +333,16 @@ def test_the_command_puts_the_lessons_into_a_folder_and_runs_no_cell(
     assert (folder / "mine" / "from_code_to_behavior.ipynb").exists()
     capsys.readouterr()
     assert main(["lessons", "mine", "--language", "en"]) == 0
-    assert "is there already" not in capsys.readouterr().out
+    assert "stays unchanged" not in capsys.readouterr().out
     assert main(["lessons", "mine", "--language", "de"]) == 0
     said = capsys.readouterr().out
-    assert f"{notebook} is there already in 'en', and stays as it is; name another folder for 'de'\n" in said
-    assert said.count("is there already") == 3
+    assert f"{notebook} exists in 'en' and stays unchanged; name another folder for 'de'\n" in said
+    assert said.count("exists in 'en'") == 3
     assert main(["lessons", "meine", "--language", "de"]) == 0
     assert main(["lessons", "meine"]) == 0
-    assert "is there already" not in capsys.readouterr().out
+    assert "stays unchanged" not in capsys.readouterr().out
     assert main(["lessons", "--language", "xx"]) == 1
-    assert "no lesson is written in 'xx'; there are de, en" in capsys.readouterr().err
+    assert "the lessons are not available in 'xx'; choose one of de, en" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -385,4 +385,4 @@ def test_assignments_have_a_cell_for_each_answer_and_a_locked_one_that_checks_it
     assert len(grade_ids) == 12
     (folder / "course" / "source" / "from_picture_to_code" / "from_picture_to_code.ipynb").write_text("mine")
     assert main(["lessons", "--for", "nbgrader", "course"]) == 0
-    assert "is there already, and stays as it is" in capsys.readouterr().out
+    assert "exists and stays unchanged" in capsys.readouterr().out

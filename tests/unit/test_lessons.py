@@ -62,7 +62,7 @@ class TestWrongAnswers:
         result = check(name, lambda _sample: None)
         assert not result
         assert len(result.wrong) == 1
-        assert result.wrong[0].endswith("it returned None: does it end with a return, on every way through it?")
+        assert result.wrong[0].endswith("it returned None: does every path through it end with a return?")
 
     @pytest.mark.parametrize("name", NAMES)
     def test_an_error_is_told_once_with_its_line_and_not_raised(self, name: str) -> None:
@@ -165,29 +165,29 @@ class TestWrongAnswers:
             ("stop_at_wall", keep_distance, "you returned -0.3 m/s, and the robot drives blind"),
             ("stop_at_wall", lambda _scan: math.nan, "it returned nan m/s"),
             ("slow_in_doorway", lambda scan: 0.3 * scan.distance("front"), "it returned inf m/s"),
-            ("stop_at_wall", lambda _scan: 0.05, "after 25 s it still drives with 0.05 m/s"),
+            ("stop_at_wall", lambda _scan: 0.05, "after 25 s it still drives at 0.05 m/s"),
             ("stop_at_wall", lambda _scan: 0, "one close on the left: it did not move in 25 s: return a speed above 0"),
             (
                 "stop_at_wall",
                 lambda scan: 0.3 * (scan.ranges[len(scan) // 2] > 0.5),
-                "and the ray straight ahead passes it: one ray is not enough, take a sector as wide as the robot",
+                "and the ray straight ahead misses it: one ray is not enough, take a sector as wide as the robot",
             ),
             (
                 "stop_at_wall",
                 lambda scan: 0.3 * (scan.at("5deg").range > 0.5),
                 "a chair leg ahead, to the right: it hit what is ahead",
             ),
-            ("bumper_reflex", turn_in_degrees, "90 rad/s are 14.3 turns a second. Are they degrees? math.radians(90)"),
-            ("bumper_reflex", lambda _touch: (20.0, 0.0), "20 m/s are 72 km/h. Are they centimetres?"),
+            ("bumper_reflex", turn_in_degrees, "14.3 turns per second. Is this number in degrees? math.radians(90)"),
+            ("bumper_reflex", lambda _touch: (20.0, 0.0), "20 m/s are 72 km/h. Is this number in centimetres?"),
             ("bumper_reflex", lambda _touch: (math.nan, 0.0), "a speed is a finite number"),
-            ("nearest_on_the_left", lambda _scan: 0.0, "No ray says 0. Is it computed from the scan?"),
+            ("nearest_on_the_left", lambda _scan: 0.0, "No ray has the range 0. Is it computed from the scan?"),
             ("bumper_reflex", lambda _touch: (0.3, 0.0), "back up and turn right"),
             ("bumper_reflex", lambda touch: (-0.3 * any(touch.touched.values()), 0.0), "drive forward"),
             ("bumper_reflex", lambda touch: (-0.3 if any(touch.touched.values()) else 0.3, 0), "None means unknown"),
-            ("slow_in_doorway", lambda _scan: 0.5, "it drives through the door with 0.50 m/s"),
-            ("slow_in_doorway", lambda _scan: 0.2, "in the open it drives with 0.20 m/s"),
-            ("slow_in_doorway", lambda scan: 0.2 if scan.distance() < 0.8 else 0.5, "beside a single wall"),
-            ("slow_in_doorway", lambda _scan: 0.0, "after 40 s it is no farther than 0.0 m of 5.5 m"),
+            ("slow_in_doorway", lambda _scan: 0.5, "it drives through the door at 0.50 m/s"),
+            ("slow_in_doorway", lambda _scan: 0.2, "in the open it drives at 0.20 m/s"),
+            ("slow_in_doorway", lambda scan: 0.2 if scan.distance() < 0.8 else 0.5, "next to a single wall"),
+            ("slow_in_doorway", lambda _scan: 0.0, "after 40 s it has come only 0.0 m of 5.5 m"),
         ],
     )  # fmt: skip
     def test_a_usual_mistake_is_told_apart(self, name: str, answer: Callable[[Any], Any], said: str) -> None:
@@ -315,24 +315,24 @@ class TestPrograms:
         [
             ("wall_ahead", lambda scan: scan.distance("front"), "a wall close on the left: you returned "),
             ("wall_ahead", lambda scan: scan.ranges[len(scan) // 2], "One ray is not enough"),
-            ("wall_ahead", lambda scan: scan.ranges[200:340].min(), "nan is no distance"),
+            ("wall_ahead", lambda scan: scan.ranges[200:340].min(), "nan is not a distance"),
             ("stop_before_wall", drive_on, "return Drive() where something is near"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (scan.distance("front") > 0.5)), "take a narrower sector"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (not ahead(scan) < 0.5)), "it drives blind"),
             ("stop_before_wall", lambda scan: Drive(keep_distance(scan, 0.5)), "it drives blind"),
             ("stop_before_wall", lambda time: Drive(0.2 * (time < 2)), "drive closer"),
-            ("stop_before_wall", lambda: Drive(0.03), "after 25 s it still drives with 0.03 m/s"),
+            ("stop_before_wall", lambda: Drive(0.03), "after 25 s it still drives at 0.03 m/s"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (scan.at(0).range > 0.5)), "one ray is not enough, take a"),
-            ("follow_wall", follow_blindly, "a covered scanner, which sends NaN alone: it drives blind"),
+            ("follow_wall", follow_blindly, "a covered scanner, which sends only NaN: it drives blind"),
             ("follow_wall", WalksBlindly, "that is covered on the way: at 21.1 s it drives blind"),
             ("follow_wall", drive_on, "turn left sooner"),
             ("follow_wall", stop, "turn left, and drive on"),
-            ("follow_wall", lambda: Drive(0.01), "it has not come to the wall"),
-            ("follow_wall", lambda scan: Drive(0.2) if ahead(scan) > 0.5 else Drive(0, 1.0), "turn left where it is"),
+            ("follow_wall", lambda: Drive(0.01), "it has not reached the wall"),
+            ("follow_wall", lambda scan: Drive(0.2) if ahead(scan) > 0.5 else Drive(0, 1.0), "turn left when it is"),
             ("follow_wall", lambda time: Drive(0.2) if not 9.5 < time < 11.75 else Drive(0, 1), "turn right where it"),
             ("back_off", follow, "it still pushes 1 s after"),
             ("back_off", back_alone, "for the fourth time"),
-            ("back_off", lambda time: Drive(0.2 if time < 4 else 0.0), "it did not come to the box"),
+            ("back_off", lambda time: Drive(0.2 if time < 4 else 0.0), "it did not reach the box"),
             ("back_off", stay_after_touch, "it did not turn after it bumped into the box"),
             ("follow_wall", turn_right, "the wall is not on its right"),
             ("follow_wall", lambda: None, "it did not move in 30 s: does it return a Drive with a speed?"),
@@ -385,7 +385,7 @@ class TestPrograms:
             moves = Stop.moves
 
         (line,) = lessons.check(Backwards, "stop_before_wall").wrong
-        assert "it begins in the state at_wall, the first in its class, and no move led out of it" in line
+        assert "it begins in the state at_wall, the first in its class, and never left this state" in line
         assert "speed" not in line
 
     @pytest.mark.slow

@@ -448,7 +448,7 @@ def clip(value: float) -> float:
         ({"a": None, "b": None, "x": 1, "moves": "a -> b on x"}, TypeError, "expected a function or a condition"),
         ({"a": None}, TypeError, "class Walker has no 'moves' between its states; expected a text such as 'state -> "),
         ({"a": forward, "move": "a -> a after 1"}, TypeError, "did you mean moves by move?"),
-        ({"a": forward, "b": Inner}, TypeError, "class Walker has no 'moves', so a is no state, and no event of"),
+        ({"a": forward, "b": Inner}, TypeError, "has no 'moves', so a is neither a state nor an event of its machines"),
         ({"b": Leaf, "c": Inner}, TypeError, "class Walker.b has no 'moves'"),
         ({"a": forward, "b": lambda: True, "moves": "a -> b on b"}, TypeError, "'b' is a state and an event; give one"),
         (
@@ -464,7 +464,7 @@ def clip(value: float) -> float:
         ({"moves": " "}, ValueError, "expected at least one"),
         ({"a": None, "b": None, "moves": "a -> b after 5s"}, ValueError, "got 'a -> b after 5s'"),
         ({"a": None, "running": None, "moves": "a -> running after 1"}, TypeError, "'running' is an action"),
-        ({"a": None, "b": None, "moves": "a -> b on done"}, TypeError, "machines in a state have ended; a has none"),
+        ({"a": None, "b": None, "moves": "a -> b on done"}, TypeError, "in a state have ended; a has no machines"),
         (
             {"a": None, "b": None, "done": lambda: True, "moves": "* -> b on done"},
             TypeError,

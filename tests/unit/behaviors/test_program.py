@@ -709,7 +709,7 @@ def test_a_program_goes_to_a_state_at_its_next_step_also_after_a_pause(robot: Fe
     wait_for(lambda: machine.active == ("second",), "it has gone there")
     with pytest.raises(ValueError, match="no state 'third'"):
         program.go_to("third")
-    with pytest.raises(TypeError, match="go is no state machine"):
+    with pytest.raises(TypeError, match="go is not a state machine"):
         robot.program(function("go")).go_to("first")
 
 

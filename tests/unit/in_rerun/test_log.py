@@ -137,11 +137,11 @@ def test_the_path_goes_through_every_pose_of_the_odometry(drive: Read, recording
 
 def test_what_is_not_known_is_said(drive: Read, tmp_path: Path, data: Path) -> None:
     ((text,),) = drive.rows("/notes", "TextDocument:text", static=True)
-    assert text == ["Nothing says where laser is on the robot: its scans stand at base_link."]
+    assert text == ["The pose of laser on the robot is unknown: its scans are drawn at base_link."]
     with robowidgets.open(data / "good" / "urg_681.bag") as still:
         still.to_rerun(tmp_path / "still.rrd")
     ((text,),) = Read(tmp_path / "still.rrd").rows("/notes", "TextDocument:text", static=True)
-    assert text == ["Neither odometry nor tf says where the robot was: all scans stand at one place."]
+    assert text == ["Neither odometry nor tf has the pose of the robot: all scans are drawn at one place."]
 
 
 def test_a_mounted_scanner_has_a_pose_of_its_own_and_nothing_to_be_said(tmp_path: Path, data: Path) -> None:

@@ -59,9 +59,9 @@ def test_an_old_one_and_another_package_of_that_name_are_refused(
     if version:
         old.__version__ = version  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "rerun", old)
-    told = version or "of another package of that name"
+    told = version or "another package of that name"
     with (
         robowidgets.open(robowidgets.SAMPLE) as recording,
-        pytest.raises(ImportError, match=rf"rerun-sdk 0\.41 or later is needed, and what is installed is {told}: pip"),
+        pytest.raises(ImportError, match=rf"rerun-sdk 0\.41 or later is needed, but {told} is installed: pip"),
     ):
         recording.to_rerun(tmp_path / "drive.rrd")

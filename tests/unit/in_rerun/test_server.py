@@ -63,7 +63,7 @@ def test_content_that_breaks_off_does_not_look_whole_and_is_logged(
 
     with caplog.at_level(logging.ERROR, "robowidgets"), pytest.raises(HTTPException):
         fetch(server.put("d.rrd", broken))
-    wait_for(lambda: "gets no more of d.rrd" in caplog.text, "it was logged")
+    wait_for(lambda: "cannot send the rest of d.rrd" in caplog.text, "it was logged")
     assert "the disk is gone" in caplog.text
 
 
@@ -88,5 +88,5 @@ def test_the_viewer_is_kept_from_the_web() -> None:
     kept = kept_here("const ret = arg0.fetch(arg1, arg2); const other = fetch(arg0);")
     assert "arg0.fetch" not in kept
     assert kept.index("const fetch =") < kept.index("fetch(arg1, arg2)")
-    with pytest.raises(RuntimeError, match=r"may ask the web: rerun-sdk>=0\.41,<0\.42 is known not to"):
+    with pytest.raises(RuntimeError, match=r"may access the web: use rerun-sdk>=0\.41,<0\.42"):
         kept_here("window.fetch(where)")

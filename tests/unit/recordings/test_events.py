@@ -172,7 +172,7 @@ class TestFind:
         assert main(["find", str(path), "--event", "/says", "--level", "loud"]) == 2
         assert "find: --level: expected one of DEBUG" in capsys.readouterr().err
         assert main(["find", str(path), "--touched", "--level", "WARN"]) == 2
-        assert "--level says where to look for --event, which is not asked" in capsys.readouterr().err
+        assert "--level needs --event, which is missing" in capsys.readouterr().err
 
 
 class TestThePlayer:

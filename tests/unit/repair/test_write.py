@@ -206,7 +206,7 @@ class TestTheCommand:
     def test_replaces_a_file_only_when_it_is_told_to(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         path, output = bag(tmp_path, drive(step(0.0))), tmp_path / "drive_repaired.mcap"
         output.write_bytes(b"precious")
-        self.refuses([str(path)], f"{output}: is there already; replace it with --force", capsys)
+        self.refuses([str(path)], f"{output}: already exists; replace it with --force", capsys)
         assert output.read_bytes() == b"precious"
         assert main(["repair", str(path), "--force"]) == 0
         assert problems(output) == ()

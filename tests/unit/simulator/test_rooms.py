@@ -58,7 +58,7 @@ def test_a_room_without_a_mark_starts_where_there_is_room() -> None:
         ("> <", 0.5, ValueError, "text: expected one robot, as one of > < ^ v; got 2"),
         ("####", 0.5, ValueError, "text: expected free floor, as spaces or dots, got none"),
         ("\n\n", 0.5, ValueError, "text: expected free floor"),
-        ("##\n #", 0.5, ValueError, "spaces at the ends of a line lie outside"),
+        ("##\n #", 0.5, ValueError, "spaces at the ends of a line are outside"),
         ("#.", 0, ValueError, "cell: expected metres above 0, got 0"),
         ("#.", "1", TypeError, "cell: expected a number, got '1'"),
     ],
