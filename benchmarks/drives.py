@@ -26,8 +26,8 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets._core.progress import without_bars
 from robowidgets.fleet.hits import Hits
+from robowidgets.notebook.progress import without_bars
 from robowidgets.simulator import Robot, Scanner, room, wander
 
 from .recordings import TYPES, open_theirs, timed

@@ -14,7 +14,7 @@ from IPython.display import display
 from numpy.typing import NDArray
 
 from robowidgets import CloudWidget, ImageWidget
-from robowidgets._core.platform_fixes import route_by_message
+from robowidgets.runtime.platform_fixes import route_by_message
 
 from . import kernel
 

@@ -7,15 +7,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ._core import in_browser
+from .notebook import in_browser
 
 if in_browser.IN_BROWSER:
     in_browser.prepare()
     in_browser.check_numpy()
 
-from ._core.renamed import renamed
-from ._core.short_traceback import shorten_tracebacks
-from ._together import together
 from .cloud_widget import CloudWidget
 from .drive_widget import DriveWidget
 from .events_widget import EventsWidget
@@ -26,6 +23,8 @@ from .message_widget import MessageWidget
 from .messages.map_grid import load_map
 from .path_widget import PathWidget
 from .plot_widget import PlotWidget
+from .runtime.renamed import renamed
+from .runtime.short_traceback import shorten_tracebacks
 from .samples import (
     CameraInfo,
     Cloud,
@@ -46,6 +45,7 @@ from .samples import (
     spread,
 )
 from .scanogram_widget import ScanogramWidget
+from .screen.together import together
 from .shapes import Arc, Arrow, Line, Points, Polygon, Text
 from .sonar_widget import SonarWidget
 from .speed_widget import SpeedWidget
@@ -56,17 +56,16 @@ if TYPE_CHECKING:
     from ._compare import compare as compare
     from ._plot import plot as plot
     from .camera import CameraModel as CameraModel
-    from .camera import depth_scan as depth_scan
-    from .fleet import drives as drives
+    from .camera import depth_scan
+    from .fleet import drives, summary
     from .fleet import find as find
     from .fleet import index as index
-    from .fleet import summary as summary
     from .machine_widget import MachineWidget
     from .program_widget import ProgramWidget
     from .recording import Recording
     from .recording import open as open
     from .recordings import RecordingError
-    from .search import conditions
+    from .recordings.search import conditions
     from .wires_widget import WiresWidget
 
 __version__ = "0.1.0"

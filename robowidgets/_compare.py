@@ -9,24 +9,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._core.progress import without_bars
-from ._layout import Together
 from ._plot import same_places
 from .kinds import LASER, SPEED
+from .notebook.progress import without_bars
 from .path_widget import PathWidget
+from .plot.line import Floats, held
 from .plot_widget import PlotWidget
-from .plotting.line import Floats, held
 from .poses.places import to_place
 from .recordings.data import RecordingData
 from .recordings.odometry import odometry
+from .recordings.search import conditions
+from .recordings.search.base import Condition
+from .recordings.search.search import find
 from .recordings.topics import UnknownTopicError, likeliest
 from .samples import Pose
 from .samples.map_item import MapItem
 from .samples.sector import ALL_ROUND, SectorLike
 from .samples.state_span import StateSpan, rows_of
-from .search import conditions
-from .search.base import Condition
-from .search.search import find
+from .screen.layout import Together
 from .shapes import Points
 
 MOST = 4

@@ -9,17 +9,17 @@ import numpy as np
 
 from .feeds.feed import Feed
 from .kinds import is_command, topic_and_field
+from .plot.line import Floats, held, slope
 from .plot_widget import MOST_LINES, PlotWidget
-from .plotting.line import Floats, held, slope
 from .poses.places import WITHIN, to_place
 from .recordings.data import RecordingData
 from .recordings.field_lines import FieldLine, choices, field_lines
 from .recordings.odometry import places_of
+from .recordings.search.base import Condition
+from .recordings.search.search import find
 from .recordings.time_slice import TimeSlice
 from .samples import Pose
 from .samples.state_span import rows_of
-from .search.base import Condition
-from .search.search import find
 
 _EXAMPLE = 'plot(recording, "/odom.twist.twist.linear.x")'
 _BY = ("time", "place")

@@ -14,13 +14,13 @@ import numpy as np
 import traitlets
 from numpy.typing import NDArray
 
-from ._core.front_end import bundle
-from ._core.large_frames import LargeFrameWidget
-from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import BandTrait
 from .messages import to_cloud
 from .samples import Cloud
 from .samples.cloud import AXES, MAX_POINTS, to_band
+from .widget.front_end import bundle
+from .widget.large_frames import LargeFrameWidget
+from .widget.timed_frame import FRAME_HEADER
+from .widget.traits import BandTrait
 
 VIEWS = ("above", "side", "behind", "rows")
 FORMS = ("points", "cloud", "array")

@@ -10,15 +10,15 @@ from typing import Any
 
 import traitlets
 
-from ._core.front_end import bundle
-from ._core.limit_traits import LARGEST
-from ._core.pacer import pacer
-from ._core.title_observers import TitleObservers
-from ._core.traits import Flag
 from .driving.command_watchdog import HOLD, MAX_ANGULAR, MAX_LINEAR, PROGRAM, CommandWatchdog, Velocity
 from .driving.driving_widget import DrivingWidget
 from .driving.press import PadMessage, PressLease
 from .samples import Speed
+from .widget.front_end import bundle
+from .widget.limit_traits import LARGEST
+from .widget.pacer import pacer
+from .widget.title_observers import TitleObservers
+from .widget.traits import Flag
 
 
 class _Limit(traitlets.TraitType[Any, Any]):

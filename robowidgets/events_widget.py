@@ -12,24 +12,24 @@ from typing import Any, ClassVar
 
 import traitlets
 
-from ._core.base_widget import refuse_unnamed
-from ._core.front_end import bundle
-from ._core.pacer import pacer
-from ._core.robot_widget import RobotWidget
-from ._core.text import many
-from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import bytes_trait
 from .behaviors.machine import Fired, Machine
 from .behaviors.programs import Programs
 from .behaviors.version import Version
 from .messages.event import EventReader
 from .messages.fields import MISSING
+from .runtime.text import many
 from .samples.age import note_arrival
 from .samples.checks import finite
 from .samples.event import Event, Level, to_level
 from .samples.event_log import EventLog, EventRow
 from .samples.staleness import LIVE
 from .samples.state_span import spelled
+from .widget.base_widget import refuse_unnamed
+from .widget.front_end import bundle
+from .widget.pacer import pacer
+from .widget.robot_widget import RobotWidget
+from .widget.timed_frame import FRAME_HEADER
+from .widget.traits import bytes_trait
 
 MOST_ROWS = 2000
 """The most rows of a live list; the oldest are dropped."""

@@ -10,13 +10,13 @@ import numpy as np
 import traitlets
 
 from . import kinds
-from ._core.front_end import bundle
 from .camera import CameraModel
-from .imaging import checked_region, is_recolored, pack, statistics
-from .imaging.overlay import HasOverlay
-from .imaging.packing import MOST_BYTES
+from .image import checked_region, is_recolored, pack, statistics
+from .image.overlay import HasOverlay
+from .image.packing import MOST_BYTES
 from .messages import to_image
 from .samples import Image
+from .widget.front_end import bundle
 
 OFTEN = 5.0
 """The rate in pictures a second from which color pictures are sent as JPEGs."""

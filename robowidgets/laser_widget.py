@@ -9,10 +9,6 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from ._core.base_widget import check_given, refuse_unnamed
-from ._core.front_end import bundle
-from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import Angle, Angles, BandTrait, Flag
 from .laser.depth import HasDepth, is_image
 from .laser.ghost import HasGhost
 from .laser.sectors import HasSectors
@@ -26,6 +22,10 @@ from .samples.age import note_arrival
 from .samples.echoes import CHOICES, Sources
 from .samples.scan import MAX_RAYS
 from .shapes.drawing import DrawsShapes
+from .widget.base_widget import check_given, refuse_unnamed
+from .widget.front_end import bundle
+from .widget.timed_frame import FRAME_HEADER
+from .widget.traits import Angle, Angles, BandTrait, Flag
 
 _GEOMETRY = struct.Struct("<5d")
 _FLOAT = np.dtype("<f4")

@@ -9,15 +9,15 @@ from typing import Any
 
 import traitlets
 
-from ._core.front_end import bundle
-from ._core.platform_fixes import route_by_message
-from ._core.robot_widget import RobotWidget
 from .behaviors.machine import Fired, Machine, MachineStep
 from .behaviors.program import FAILED, Program
 from .behaviors.programs import Programs
 from .behaviors.step_clock import StepClock
 from .behaviors.version import Version
+from .runtime.platform_fixes import route_by_message
 from .samples.state_span import StateSpan, rows_of
+from .widget.front_end import bundle
+from .widget.robot_widget import RobotWidget
 
 MOST_FIRED = 30
 """The number of transitions that are listed on the page."""

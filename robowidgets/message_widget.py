@@ -8,14 +8,14 @@ from typing import Any, ClassVar
 
 import traitlets
 
-from ._core.front_end import bundle
-from ._core.robot_widget import RobotWidget
-from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import Flag
-from .message_tree import Tree, pack, read
+from .message import Tree, pack, read
 from .messages.any_message import names_in, value_at, why_no_value
 from .messages.fields import stamp_ns, type_name, unwrap
 from .samples import HasAge
+from .widget.front_end import bundle
+from .widget.robot_widget import RobotWidget
+from .widget.timed_frame import FRAME_HEADER
+from .widget.traits import Flag
 
 MOST_FIELDS = 32
 """The most fields that are shown alone, or over time."""

@@ -14,29 +14,29 @@ import numpy as np
 import traitlets
 from numpy.typing import NDArray
 
-from ._core.base_widget import check_given, refuse_unnamed
-from ._core.error_routing import called_from_cell
-from ._core.front_end import bundle
-from ._core.pacer import pacer
-from ._core.text import many
-from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import Flag, bytes_trait
-from .maps.layers import MOST_LAYERS, Layers, TooManyLayersError, frames_in
-from .maps.packing import PackedGrid, pack_grids, pack_layers, pack_tracks, unpack_layers
-from .maps.placing import Placed, pose_of_frame
 from .messages import to_pose
 from .messages.fields import frame_id, get, stamp_ns, unwrap
 from .messages.map_item import to_map_item
 from .messages.pose import pose_of
+from .path.layers import MOST_LAYERS, Layers, TooManyLayersError, frames_in
+from .path.packing import PackedGrid, pack_grids, pack_layers, pack_tracks, unpack_layers
+from .path.placing import Placed, pose_of_frame
 from .poses.path import Path
 from .poses.recent import RecentPoses
 from .poses.transforms import Transform, transforms_of
+from .runtime.error_routing import called_from_cell
+from .runtime.text import many
 from .samples import HasAge, MapGrid, Pose
 from .samples.age import arrival_of, note_arrival
 from .samples.checks import finite, to_radians
 from .samples.map_item import MapItem
 from .shapes.drawing import Drawable, DrawsShapes
 from .shapes.forms import short_text
+from .widget.base_widget import check_given, refuse_unnamed
+from .widget.front_end import bundle
+from .widget.pacer import pacer
+from .widget.timed_frame import FRAME_HEADER
+from .widget.traits import Flag, bytes_trait
 
 Floats = NDArray[np.float64]
 

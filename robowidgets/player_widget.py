@@ -6,10 +6,10 @@ from typing import Any
 
 import traitlets
 
-from ._core.front_end import FrontEndWidget, bundle
-from ._core.platform_fixes import route_by_message
-from ._core.time_traits import Marks, PlaybackSpeed, Seconds, States, TimeSpan
-from ._core.traits import Flag
+from .runtime.platform_fixes import route_by_message
+from .widget.front_end import FrontEndWidget, bundle
+from .widget.time_traits import Marks, PlaybackSpeed, Seconds, States, TimeSpan
+from .widget.traits import Flag
 
 
 class PlayerWidget(FrontEndWidget):
@@ -67,7 +67,7 @@ class PlayerWidget(FrontEndWidget):
         return min(start, self.duration), min(end, self.duration)
 
     def follow(self, leader: dict[str, Any]) -> None:
-        """Move with another player in the page: see `robowidgets.player._leader.Leader`. Empty ends that."""
+        """Move with another player in the page: see `robowidgets.screen._leader.Leader`. Empty ends that."""
         self._leader = leader
 
     def complain(self, problem: str) -> None:

@@ -15,22 +15,22 @@ from typing import Any, ClassVar
 import traitlets
 from numpy.typing import ArrayLike
 
-from ._core.base_widget import refuse_unnamed
-from ._core.error_routing import called_from_cell
-from ._core.front_end import bundle
-from ._core.output_file import checked_output
-from ._core.pacer import pacer
-from ._core.png import Png, Saving
-from ._core.robot_widget import PAGES
-from ._core.text import many
-from ._core.time_traits import Marks, States, TimeSpan
-from ._core.traits import Flag, bytes_trait
 from .kinds import is_command
-from .plotting.card import PlotCard
-from .plotting.frame import Lines, ends, pack
-from .plotting.line import GrowingLine, checked
-from .plotting.units import unit_of
+from .messages.units import unit_of
+from .plot.card import PlotCard
+from .plot.frame import Lines, ends, pack
+from .plot.line import GrowingLine, checked
+from .runtime.error_routing import called_from_cell
+from .runtime.output_file import checked_output
+from .runtime.text import many
 from .samples.checks import finite
+from .widget.base_widget import refuse_unnamed
+from .widget.front_end import bundle
+from .widget.pacer import pacer
+from .widget.png import Png, Saving
+from .widget.robot_widget import PAGES
+from .widget.time_traits import Marks, States, TimeSpan
+from .widget.traits import Flag, bytes_trait
 
 MOST_LINES = 8
 

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ._core.front_end import bundle
-from ._core.pacer import pacer
 from .behaviors.machine import Machine
 from .behaviors.program import ENDED, Program
 from .behaviors.programs import Programs
 from .driving.command_watchdog import MAX_ANGULAR, MAX_LINEAR
 from .driving.driving_widget import DrivingWidget
+from .widget.front_end import bundle
+from .widget.pacer import pacer
 
 
 class ProgramWidget(DrivingWidget):

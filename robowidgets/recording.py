@@ -12,13 +12,13 @@ from .recordings.data import RecordingData
 from .recordings.topics import shown
 
 if TYPE_CHECKING:
-    from .doctor.report import Report
     from .in_rerun.widget import RerunWidget
-    from .player.player import Player
+    from .recordings.doctor.report import Report
+    from .recordings.search.base import Condition
+    from .recordings.search.instant import Instant
+    from .recordings.search.spans import Spans
     from .scanogram_widget import ScanogramWidget
-    from .search.base import Condition
-    from .search.instant import Instant
-    from .search.spans import Spans
+    from .screen.player import Player
     from .wires_widget import WiresView
 
 
@@ -56,7 +56,7 @@ class Recording(RecordingData):
     ) -> ScanogramWidget:
         """Show all scans of a topic in one picture, with speeds and touches below; see `ScanogramWidget.of`."""
         # Imported lazily: reading recordings needs no widgets.
-        from .player.scanogram import scanogram
+        from .scanogram.of_recording import scanogram
 
         return scanogram(self, topic, beside, **options)
 
@@ -87,7 +87,7 @@ class Recording(RecordingData):
             ... # doctest: +SKIP
         """
         # Imported lazily: reading samples needs no player.
-        from .search.search import find
+        from .recordings.search.search import find
 
         self._check_open()
         return find(self, condition, topics)
@@ -107,7 +107,7 @@ class Recording(RecordingData):
             ()
         """
         # Imported lazily: reading samples needs no check-up.
-        from .doctor.report import examine
+        from .recordings.doctor.report import examine
 
         self.check_topics()
         series = {name: self.series(name) for name in shown(self.topics)}
@@ -148,7 +148,7 @@ class Recording(RecordingData):
             >>> recording.show("/scan", "/odom")  # doctest: +SKIP
         """
         # Imported lazily: reading samples needs no widget.
-        from .player.player import Player
+        from .screen.player import Player
 
         again = self.reopened()
         try:
@@ -175,7 +175,7 @@ class Recording(RecordingData):
             <WiresView: <WiresWidget sample.mcap: 4 topics, 0 parts of the notebook>>
         """
         # Imported lazily: reading samples needs no widget.
-        from .player.wires import RecordedWires
+        from .wires.recorded import RecordedWires
         from .wires_widget import WiresView
 
         self._check_open()

@@ -12,12 +12,6 @@ import numpy as np
 import traitlets
 from numpy.typing import ArrayLike, NDArray
 
-from ._core.base_widget import NamedWidget
-from ._core.front_end import bundle
-from ._core.limit_traits import Pair
-from ._core.png import Png, Saving
-from ._core.time_traits import Marks, States, TimeSpan
-from ._core.traits import Flag, bytes_trait
 from .samples import AXES, Scan
 from .samples.scan_problems import of_ranges
 from .scanogram.levels import BUDGET, MEDIAN, NEAREST, Levels
@@ -26,6 +20,12 @@ from .scanogram.picture import Picture
 from .scanogram.scan_times import ScanTimes
 from .scanogram.scans import ScanRanges, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
+from .widget.base_widget import NamedWidget
+from .widget.front_end import bundle
+from .widget.limit_traits import Pair
+from .widget.png import Png, Saving
+from .widget.time_traits import Marks, States, TimeSpan
+from .widget.traits import Flag, bytes_trait
 
 
 class ScannedRecording(Protocol):

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 import traitlets
 
-from ._core.base_widget import NamedWidget
-from ._core.front_end import bundle
-from ._core.platform_fixes import route_by_message
-from ._core.text import many
-from ._core.traits import Flag, bytes_trait
 from .repair import RecordingError
+from .runtime.platform_fixes import route_by_message
+from .runtime.text import many
+from .widget.base_widget import NamedWidget
+from .widget.front_end import bundle
+from .widget.traits import Flag, bytes_trait
 
 MOST_LOOKED_AT = 500
 """The most moments for which a page requests pictures at once."""

@@ -13,12 +13,6 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from ._core.base_widget import refuse_unnamed
-from ._core.front_end import bundle
-from ._core.rate import RateMeter
-from ._core.robot_widget import RobotWidget
-from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import Angle
 from .messages import to_range
 from .messages.fields import MISSING, get, has, unwrap
 from .poses.mounts import mounts_of
@@ -27,6 +21,12 @@ from .samples import Pose, Problem, Range, Ranges
 from .samples.age import arrival_of, note_arrival
 from .samples.checks import finite, in_radians, shortest
 from .samples.staleness import LIVE
+from .widget.base_widget import refuse_unnamed
+from .widget.front_end import bundle
+from .widget.rate import RateMeter
+from .widget.robot_widget import RobotWidget
+from .widget.timed_frame import FRAME_HEADER
+from .widget.traits import Angle
 
 MOST_SENSORS = 100
 

@@ -10,15 +10,15 @@ from typing import Any, ClassVar
 
 import traitlets
 
-from ._core.base_widget import check_given, refuse_unnamed
-from ._core.front_end import bundle
-from ._core.limit_traits import AxisLimits, Limits, Pair, is_past, unit_of
-from ._core.robot_widget import RobotWidget
-from ._core.timed_frame import FRAME_HEADER
-from ._core.traits import Flag, HistorySeconds
 from .messages import to_speed
 from .samples import AXES, Speed
 from .samples.age import arrival_of, note_arrival
+from .widget.base_widget import check_given, refuse_unnamed
+from .widget.front_end import bundle
+from .widget.limit_traits import AxisLimits, Limits, Pair, is_past, unit_of
+from .widget.robot_widget import RobotWidget
+from .widget.timed_frame import FRAME_HEADER
+from .widget.traits import Flag, HistorySeconds
 
 _FRAME = struct.Struct("<ddqd26d")
 """After the header: the known speeds (1: measured, 2: commanded), resets of the peaks, stamp of the commanded speed in

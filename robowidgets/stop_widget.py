@@ -6,10 +6,10 @@ from typing import Any
 
 import traitlets
 
-from ._core.front_end import bundle
-from ._core.traits import Flag
 from .driving.command_watchdog import CommandWatchdog
 from .driving.driving_widget import DrivingWidget
+from .widget.front_end import bundle
+from .widget.traits import Flag
 
 
 class StopWidget(DrivingWidget):

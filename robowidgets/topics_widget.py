@@ -8,11 +8,11 @@ from typing import Any, NamedTuple, Protocol
 
 import traitlets
 
-from ._core.clock import Clock, scheduler
-from ._core.front_end import FrontEndWidget, bundle
-from ._core.platform_fixes import route_by_message
-from ._core.traits import Flag
+from .runtime.clock import Clock, scheduler
+from .runtime.platform_fixes import route_by_message
 from .samples.staleness import LISTED, SEEN_FOR
+from .widget.front_end import FrontEndWidget, bundle
+from .widget.traits import Flag
 
 MOST_LOOKED_AT = 100
 """The most topics whose values are sent. A page cannot show more at once."""

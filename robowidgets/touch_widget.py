@@ -11,16 +11,16 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from ._core.base_widget import check_given, refuse_unnamed
-from ._core.front_end import bundle
-from ._core.pacer import pacer
-from ._core.robot_widget import RobotWidget
-from ._core.timed_frame import FRAME_HEADER
 from .messages import to_touch
 from .samples import Touch, TouchMode, TouchState
 from .samples.checks import in_radians
 from .samples.staleness import LIVE
 from .samples.touch_tracker import TouchSensor, TouchTracker
+from .widget.base_widget import check_given, refuse_unnamed
+from .widget.front_end import bundle
+from .widget.pacer import pacer
+from .widget.robot_widget import RobotWidget
+from .widget.timed_frame import FRAME_HEADER
 
 
 class TouchWidget(RobotWidget[Touch]):

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple, Protocol
 import ipywidgets
 import traitlets
 
-from ._core.front_end import bundle
-from ._core.platform_fixes import route_by_message
-from ._core.robot_widget import RobotWidget
-from ._core.text import many
 from .message_widget import MessageWidget
+from .runtime.platform_fixes import route_by_message
+from .runtime.text import many
+from .widget.front_end import bundle
+from .widget.robot_widget import RobotWidget
 
 
 class Wire(NamedTuple):

@@ -59,7 +59,7 @@ API = {
 }
 """The names of the package on each page of the reference. Each module has its own page."""
 API_MODULES = {
-    "Conditions": "robowidgets.search.conditions",
+    "Conditions": "robowidgets.recordings.search.conditions",
     "Feeds": "robowidgets.feeds",
     "Simulator": "robowidgets.simulator",
     "Behaviors": "robowidgets.behaviors",

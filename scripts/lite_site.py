@@ -28,7 +28,7 @@ from urllib.request import urlopen
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from robowidgets._core.in_browser import NO_SWITCHING
+from robowidgets.notebook.in_browser import NO_SWITCHING
 
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv-site"

@@ -16,8 +16,8 @@ sys.path.insert(0, str(ROOT))
 # The threads come first, as in a browser.
 sys.modules["robowidgets"] = ModuleType("robowidgets")
 sys.modules["robowidgets"].__path__ = [str(ROOT / "robowidgets")]
-from robowidgets._core.in_browser import clamp_timers, is_users  # noqa: E402
-from robowidgets._core.stack_threads import StackThreads  # noqa: E402
+from robowidgets.notebook.in_browser import clamp_timers, is_users  # noqa: E402
+from robowidgets.runtime.stack_threads import StackThreads  # noqa: E402
 from tests.unit import baton_host  # noqa: E402
 
 host = baton_host.BatonHost()

@@ -257,7 +257,7 @@ def one_that_sleeps_in_a_loop_is_ended_after_its_sleep(threads: Any, call_from_p
 
 @case
 def code_of_others_is_not_sliced(threads: Any, call_from_page: Any) -> None:
-    from robowidgets._core.in_browser import is_users
+    from robowidgets.notebook.in_browser import is_users
 
     codes = [function.__code__ for function in (asyncio.wait_for, threading.Thread.start, type(threads).block)]
     codes += [type(threads._host.loop).call_later.__code__] * (sys.platform == "emscripten")
@@ -317,8 +317,8 @@ if __name__ == "__main__":  # in CPython: prints what went wrong
     # Without the rest of the package, which takes longer to import than the cases take.
     sys.modules["robowidgets"] = ModuleType("robowidgets")
     sys.modules["robowidgets"].__path__ = [str(root / "robowidgets")]
-    from robowidgets._core.in_browser import clamp_timers, is_users
-    from robowidgets._core.stack_threads import StackThreads
+    from robowidgets.notebook.in_browser import clamp_timers, is_users
+    from robowidgets.runtime.stack_threads import StackThreads
     from tests.unit import baton_host
 
     host = baton_host.BatonHost()

@@ -37,20 +37,20 @@ from robowidgets import (
     TouchWidget,
     spread,
 )
-from robowidgets._core.robot_widget import RobotWidget
-from robowidgets._core.timed_frame import TimedFrame
 from robowidgets.cloud_widget import FORMS, selection_code
 from robowidgets.export.segments import pack_tracks
-from robowidgets.imaging import as_numbers, statistics
+from robowidgets.image import as_numbers, statistics
 from robowidgets.messages import to_image
 from robowidgets.messages.image import layout_of
-from robowidgets.player._frames import pack
 from robowidgets.samples import Mount, Pose, staleness
 from robowidgets.samples.sector import SECTORS as SECTORS_BY_NAME
 from robowidgets.samples.sector_code import for_array, for_message, for_scan
 from robowidgets.samples.stretches import sector_of, stretches
 from robowidgets.scanogram.by_angle import rays_at
 from robowidgets.scanogram.scans import Sweep
+from robowidgets.tracks import pack
+from robowidgets.widget.robot_widget import RobotWidget
+from robowidgets.widget.timed_frame import TimedFrame
 
 from .unit.recordings import sweeps
 

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .._core.inform import inform
 from ..kinds import KINDS
+from ..runtime.inform import inform
 from ..samples import Ray
 from ..samples.checks import finite
 from ..samples.state_span import StateSpan, spelled

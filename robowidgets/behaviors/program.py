@@ -12,20 +12,20 @@ from functools import partial
 from math import isnan
 from typing import Any
 
-from .._core.clock import Scheduler
-from .._core.clock import scheduler as threads
-from .._core.inform import inform
-from .._core.log_once import LogOnce, call_in_thread
-from .._core.no_input import without_input
-from .._core.observed import Observed
-from .._core.platform_fixes import capture_prints, release_prints
-from .._core.policies import NO_RETURN, STEP
-from .._core.rate import RateMeter
-from .._core.runner import Call, Runner
-from .._core.short_traceback import without_our_frames
-from .._core.user_function import error_in
+from ..runtime.clock import Scheduler
+from ..runtime.clock import scheduler as threads
+from ..runtime.inform import inform
+from ..runtime.log_once import LogOnce, call_in_thread
+from ..runtime.no_input import without_input
+from ..runtime.platform_fixes import capture_prints, release_prints
+from ..runtime.policies import NO_RETURN, STEP
+from ..runtime.runner import Call, Runner
+from ..runtime.short_traceback import without_our_frames
+from ..runtime.user_function import error_in
 from ..samples.staleness import STEP_SILENCE
 from ..samples.state_span import spelled
+from ..widget.observed import Observed
+from ..widget.rate import RateMeter
 from .drive import STANDSTILL, Drive, drive_of
 from .prints import Prints
 from .robot import DRIVEN, GIVEN, TURNED, DrivenRobot, NotReadyError
@@ -60,7 +60,7 @@ class Program(Observed):
     - Its time counts while it can make steps, but not while it is paused or waits, or while the process is suspended.
     - If a version is replaced during a step, the speed of that step is not sent.
 
-    A runner calls and monitors the steps; see `robowidgets._core.policies`. The robot is always stopped after a step
+    A runner calls and monitors the steps; see `robowidgets.runtime.policies`. The robot is always stopped after a step
     has lost its right to drive, never before, so that an abandoned step cannot drive on.
 
     Args:

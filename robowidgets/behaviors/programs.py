@@ -7,10 +7,10 @@ from contextvars import copy_context
 from typing import Any
 from weakref import WeakSet
 
-from .._core.cells import CellRun, is_same_cell, on_cell_error, on_interrupt, running_cell
-from .._core.inform import inform
-from .._core.observed import Observed
-from .._core.user_function import calling_text
+from ..notebook.cells import CellRun, is_same_cell, on_cell_error, on_interrupt, running_cell
+from ..runtime.inform import inform
+from ..runtime.user_function import calling_text
+from ..widget.observed import Observed
 from ._parameters import parameters_of, program_name
 from .machine import Machine
 from .program import ENDED, RUNNING, Program

@@ -8,8 +8,8 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from .._core.observed import Observed
 from ..samples.checks import finite, number
+from ..widget.observed import Observed
 
 
 class ProgramState(dict[str, Any]):

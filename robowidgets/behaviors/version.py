@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .._core.cells import CellRun
+from ..notebook.cells import CellRun
 from ..samples.checks import finite
 
 RATE = 10.0

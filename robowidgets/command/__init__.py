@@ -13,7 +13,7 @@ from pathlib import Path
 import robowidgets
 
 from .. import fleet
-from ..recordings.remote import is_url, named, pass_secrets
+from ..files.remote import is_url, named, pass_secrets
 from . import _lab, _lessons, _notebooks
 from ._error import CommandError
 from ._export import add_export, export

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import robowidgets
 
-from .._core.text import megabytes
-from ..recordings.remote import file_name, is_url
+from ..files.remote import file_name, is_url
+from ..runtime.text import megabytes
 from ._error import CommandError
 
 _MEGA = 1_000_000

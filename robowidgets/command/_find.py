@@ -17,14 +17,14 @@ from typing import Any
 import robowidgets
 
 from .. import fleet
+from ..files.remote import is_url
 from ..kinds import LASER, SPEED, TOUCH
-from ..recordings.remote import is_url
+from ..recordings.search import conditions
+from ..recordings.search.base import Condition
+from ..recordings.search.spans import Spans
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import ALL_ROUND, SECTORS, SectorLike, to_sector
-from ..search import conditions
-from ..search.base import Condition
-from ..search.spans import Spans
 from ._error import CommandError
 
 _SIGNS = {

@@ -10,8 +10,8 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
+from ..files.remote import file_name, is_url, named
 from ..lessons import ENGLISH
-from ..recordings.remote import file_name, is_url, named
 
 _PACKAGE = Path(__file__).parents[1]
 TOUR = "tour.ipynb"

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-from .._core.text import many, megabytes
-from ..recordings.files import open_source
-from ..recordings.remote import fetch
+from ..files import open_source
+from ..files.remote import fetch
 from ..repair.write import write
+from ..runtime.text import many, megabytes
 from ._error import CommandError
 
 _PACKED = (".gz", ".zst", ".zstd", ".active")

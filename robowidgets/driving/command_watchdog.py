@@ -7,13 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from .._core.cells import on_failed_cell
-from .._core.clock import Clock, RealClock
-from .._core.log_once import log_in_thread
-from .._core.observed import Observed
-from .._core.platform_fixes import run_beside_debugger
-from .._core.user_threads import why_refused
+from ..notebook.cells import on_failed_cell
+from ..runtime.clock import Clock, RealClock
+from ..runtime.log_once import log_in_thread
+from ..runtime.platform_fixes import run_beside_debugger
+from ..runtime.user_threads import why_refused
 from ..samples.staleness import TO_DRIVE_BY
+from ..widget.observed import Observed
 from .stop_all import SEND_TIMEOUT, running, stop_driven_by_cell
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ from typing import Any, Protocol
 
 import traitlets
 
-from .._core.base_widget import NamedWidget
-from .._core.log_once import LogOnce, log_in_thread
-from .._core.pacer import pacer
-from .._core.platform_fixes import route_by_message
+from ..runtime.log_once import LogOnce, log_in_thread
+from ..runtime.platform_fixes import route_by_message
 from ..samples.staleness import BEAT
+from ..widget.base_widget import NamedWidget
+from ..widget.pacer import pacer
 from .command_watchdog import HOLD, ZERO, CommandWatchdog, Velocity
 from .press import PadMessage, Tokens, to_pad_message
 from .stop_all import stop_at_end

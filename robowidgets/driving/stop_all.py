@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from .._core.platform_fixes import call_before_end
+from ..runtime.platform_fixes import call_before_end
 
 log = logging.getLogger("robowidgets")
 

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
 
-from .._core.front_end import STATIC, built_file
-from .._core.output_file import whole_file
-from .._core.progress import Progress, without_bars
-from .._core.text import megabytes
+from ..notebook.progress import Progress, without_bars
+from ..runtime.output_file import whole_file
+from ..runtime.text import megabytes
+from ..widget.front_end import STATIC, built_file
 from .segments import compressed
 
 SUFFIXES = (".html", ".htm")

@@ -7,7 +7,7 @@ from pathlib import Path
 from re import search
 from typing import Any
 
-from .._core.front_end import bundle
+from ..widget.front_end import bundle
 from .html import PageAssets, inlined, static
 from .segments import compressed
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.timed_frame import TimedFrame, table_of
+from ..widget.timed_frame import TimedFrame, table_of
 from ._floats import folded_changes, pack_floats, planes
 
 _LENGTH = struct.Struct("<I")

@@ -12,10 +12,10 @@ from typing import Any
 
 import ipywidgets
 
-from .._core.cells import close_all
-from .._core.text import as_date, many
-from .._core.timed_frame import FRAME_HEADER, TimedFrame
+from ..notebook.cells import close_all
 from ..player_widget import PlayerWidget
+from ..runtime.text import as_date, many
+from ..widget.timed_frame import FRAME_HEADER, TimedFrame
 from .html import Heading, Page, check_texts
 from .models import Models, shown
 from .segments import segment

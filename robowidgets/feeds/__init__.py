@@ -7,7 +7,7 @@ its middleware when it is opened.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .._core.renamed import renamed
+from ..runtime.renamed import renamed
 from ._driving import Driving
 from ._stop_all import StopAll
 from ._topics import FeedTopic

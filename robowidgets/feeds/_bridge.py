@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
-from .._core import in_browser
-from .._core.clock import Clock
-from .._core.urls import without_secrets
+from ..notebook import in_browser
+from ..runtime.clock import Clock
+from ..runtime.urls import without_secrets
 from ._threaded import ThreadedMiddleware
 from ._websocket import COMPARE, LARGEST, Frame, WebSocket, checked
 from .middleware import MOST_UNREAD, FeedError, Listener

@@ -15,18 +15,18 @@ from types import FunctionType
 from typing import Any, NamedTuple
 from weakref import WeakSet
 
-from .._core.cells import CellRun, is_same_cell, on_cell_error, on_interrupt, running_cell
-from .._core.clock import Scheduler
-from .._core.clock import scheduler as threads
-from .._core.inform import inform
-from .._core.log_once import LogOnce, call_in_thread
-from .._core.policies import FUNCTION
-from .._core.runner import Call, Runner
-from .._core.short_traceback import without_our_frames
-from .._core.tables import Table
-from .._core.text import many
-from .._core.user_function import line_of, name_of
-from .._core.user_threads import MayDrive
+from ..notebook.cells import CellRun, is_same_cell, on_cell_error, on_interrupt, running_cell
+from ..runtime.clock import Scheduler
+from ..runtime.clock import scheduler as threads
+from ..runtime.inform import inform
+from ..runtime.log_once import LogOnce, call_in_thread
+from ..runtime.policies import FUNCTION
+from ..runtime.runner import Call, Runner
+from ..runtime.short_traceback import without_our_frames
+from ..runtime.tables import Table
+from ..runtime.text import many
+from ..runtime.user_function import line_of, name_of
+from ..runtime.user_threads import MayDrive
 from ..samples import HasAge
 from ..samples.age import note_arrival
 from ._topics import FeedTopic, queue_length, sample_of

@@ -8,13 +8,6 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from .._core.cells import running_cell, take_the_place
-from .._core.clock import Clock, Threads
-from .._core.coalesced_call import CoalescedCall
-from .._core.observed import Observed
-from .._core.platform_fixes import let_threads_print, shorten_switch_interval
-from .._core.sample_widget import SampleWidget
-from .._core.title_observers import TitleObservers
 from ..behaviors.program import Program
 from ..behaviors.programs import Programs
 from ..behaviors.robot import DrivenRobot
@@ -23,7 +16,14 @@ from ..driving.stop_all import stop_at_end
 from ..kinds import on_demand_for_type, topic_and_field
 from ..laser_widget import LaserWidget
 from ..messages.twist import TWIST
+from ..notebook.cells import running_cell, take_the_place
+from ..runtime.clock import Clock, Threads
+from ..runtime.coalesced_call import CoalescedCall
+from ..runtime.platform_fixes import let_threads_print, shorten_switch_interval
 from ..samples import Speed
+from ..widget.observed import Observed
+from ..widget.sample_widget import SampleWidget
+from ..widget.title_observers import TitleObservers
 from ._callbacks import FunctionCaller
 from ._driver import Driver
 from ._frame_topics import FrameTopics

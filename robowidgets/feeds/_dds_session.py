@@ -18,9 +18,9 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from .._core.clock import Clock, scheduler
 from ..messages.decoding import Decode, DecodeError
 from ..messages.infrastructure import is_large
+from ..runtime.clock import Clock, scheduler
 from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
 from ._guard.mark import MARK

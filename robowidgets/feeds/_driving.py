@@ -6,12 +6,12 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .._core.limit_traits import is_past
-from .._core.log_once import LogOnce
 from ..driving.command_watchdog import HOLD, MAX_ANGULAR, MAX_LINEAR, Velocity
 from ..kinds import is_command
 from ..messages.twist import TWIST, TWIST_STAMPED
+from ..runtime.log_once import LogOnce
 from ..samples.checks import OF_DEGREES, finite, is_angle
+from ..widget.limit_traits import is_past
 from .middleware import Advert, FeedError
 
 log = logging.getLogger("robowidgets")

@@ -9,13 +9,10 @@ from typing import Any, Protocol
 
 import ipywidgets
 
-from .._core.cells import take_the_place
-from .._core.clock import Threads
-from .._core.coalesced_call import CoalescedCall
-from .._core.freezing import freeze_together
-from .._core.sample_widget import SampleWidget
-from .._layout import OneScreen, stacked
-from .._widget_choice import (
+from ..behaviors.machine import Machine
+from ..events_widget import EventsWidget
+from ..kinds import on_demand_for_type
+from ..kinds.choice import (
     Entry,
     TopicSelection,
     WidgetChoice,
@@ -25,15 +22,18 @@ from .._widget_choice import (
     parse_requests,
     why_no_plot,
 )
-from ..behaviors.machine import Machine
-from ..events_widget import EventsWidget
-from ..kinds import on_demand_for_type
 from ..machine_widget import MachineWidget
 from ..message_widget import MessageWidget
+from ..notebook.cells import take_the_place
 from ..program_widget import ProgramWidget
+from ..runtime.clock import Threads
+from ..runtime.coalesced_call import CoalescedCall
+from ..screen.layout import OneScreen, stacked
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
 from ..topics_widget import TopicNow, TopicRow, TopicsWidget
+from ..widget.freezing import freeze_together
+from ..widget.sample_widget import SampleWidget
 from ..wires_widget import WiresWidget
 from ._connection import Connection
 from ._listening import TopicStats

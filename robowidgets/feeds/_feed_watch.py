@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
-from .._core.log_once import LogOnce
-from .._core.policies import CONDITION
-from .._core.runner import Call, Runner
-from .._core.user_function import name_of
-from .._core.watch import Watch
 from ..behaviors.robot import DRIVEN, ODOMETRY, TURNED, NotReadyError
 from ..kinds import KINDS, topic_and_field
+from ..recordings.search.base import Condition, FunctionCondition, condition
+from ..recordings.search.instant import NoSampleYetError
+from ..runtime.log_once import LogOnce
+from ..runtime.policies import CONDITION
+from ..runtime.runner import Call, Runner
+from ..runtime.user_function import name_of
 from ..samples.staleness import LIVE, STEPS, is_steady, usual_step
-from ..search.base import Condition, FunctionCondition, condition
-from ..search.instant import NoSampleYetError
+from ..widget.watch import Watch
 from ._program_inputs import FeedInputs
 from ._topics import check_name
 

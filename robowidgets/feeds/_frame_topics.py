@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import Any, Protocol
 
-from .._core.coalesced_call import CoalescedCall
 from ..kinds import ODOMETRY_TYPES, TRANSFORM_TYPES
 from ..poses.live_frames import TakesFrames, TakesTopics
 from ..poses.transforms import STATIC
+from ..runtime.coalesced_call import CoalescedCall
 from ._subscription import Target
 from ._topics import FeedTopic
 from .middleware import FeedError

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from .._core.clock import Clock
 from ..driving.command_watchdog import Velocity
+from ..runtime.clock import Clock
 from ..samples import Speed
 from ._subscription import Target
 from ._topics import FeedTopic

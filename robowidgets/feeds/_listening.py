@@ -10,12 +10,12 @@ from functools import partial
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
 
-from .._core.clock import Scheduler
-from .._core.clock import scheduler as threads
-from .._core.log_once import LogOnce
-from .._core.rate import SHORTEST, RateMeter
 from ..messages.infrastructure import is_large
+from ..runtime.clock import Scheduler
+from ..runtime.clock import scheduler as threads
+from ..runtime.log_once import LogOnce
 from ..samples.staleness import SEEN_FOR
+from ..widget.rate import SHORTEST, RateMeter
 from ._callbacks import FunctionCaller
 from ._links import TopicLink
 from ._subscription import Target

@@ -7,7 +7,7 @@ import json
 from contextlib import suppress
 from typing import Any
 
-from .._core.platform_fixes import close_when_connected
+from ..runtime.platform_fixes import close_when_connected
 
 FOXGLOVE = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
 """The names of the foxglove protocol."""

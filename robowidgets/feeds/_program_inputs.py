@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from .._core.clock import RealClock
 from ..behaviors.odometer import Odometer
 from ..behaviors.robot import ODOMETRY, POSE, NotReadyError
 from ..kinds import (
@@ -25,6 +24,7 @@ from ..kinds import (
     namespace_of,
     sensor_of,
 )
+from ..runtime.clock import RealClock
 from ..samples import Speed
 from ..samples.staleness import STEPS, TO_DRIVE_BY, TO_DRIVE_BY_NAMED, SilenceRule, is_steady
 from ._links import TopicLink

@@ -8,18 +8,18 @@ from collections import Counter
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from .._core.cells import take_the_place
-from .._core.coalesced_call import CoalescedCall
-from .._core.output_file import checked_output
-from .._core.text import many
 from ..behaviors.machine import Machine
 from ..behaviors.program import ENDED
 from ..behaviors.version import Version
 from ..kinds import is_undecided
 from ..messages.infrastructure import is_infrastructure
+from ..notebook.cells import take_the_place
 from ..recordings.gaps import Gaps
 from ..recordings.live_writer import LiveWriter
 from ..recordings.program_log import PROGRAM, TEXT, program_text, state_topic
+from ..runtime.coalesced_call import CoalescedCall
+from ..runtime.output_file import checked_output
+from ..runtime.text import many
 from ._subscription import Target
 from ._topics import YOURS, FeedTopic, no_such
 from .middleware import FeedError, HasOutlet

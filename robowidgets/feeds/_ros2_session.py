@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
 from typing import Any, NamedTuple
 
-from .._core.clock import Clock
+from ..runtime.clock import Clock
 from ._guard.mark import MARK
 from ._ros2_common import adverts_of, nobody_left, not_coming, not_received, queue_depth, speed_types
 from ._twist import fill, is_zero

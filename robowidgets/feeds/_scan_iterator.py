@@ -7,10 +7,10 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from .._core.newest_sample import NewestSample
 from ..messages import to_scan
 from ..samples import Scan
 from ..samples.age import note_arrival
+from ..widget.newest_sample import NewestSample
 
 if TYPE_CHECKING:
     from ._connection import Connection

@@ -9,13 +9,13 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple, Protocol
 
-from .._core.clock import Clock, Threads, scheduler
-from .._core.coalesced_call import CoalescedCall
 from ..kinds import LASER, TRANSFORM_TYPES
 from ..laser_widget import LaserWidget
 from ..messages.fields import frame_id, unwrap
 from ..poses.live_mounts import LiveMounts
 from ..poses.transforms import STATIC
+from ..runtime.clock import Clock, Threads, scheduler
+from ..runtime.coalesced_call import CoalescedCall
 from ..samples import Scan
 from ._subscription import Target
 from ._topics import FeedTopic

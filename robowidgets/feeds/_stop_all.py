@@ -7,9 +7,9 @@ from functools import partial
 from html import escape
 from typing import Any
 
-from .._core.clock import Scheduler, Ticket
-from .._core.clock import scheduler as threads
 from ..behaviors.program import RUNNING
+from ..runtime.clock import Scheduler, Ticket
+from ..runtime.clock import scheduler as threads
 from .feed import Feed
 from .middleware import FeedError
 

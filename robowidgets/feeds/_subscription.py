@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from functools import update_wrapper
 from typing import Any, NamedTuple, TypeGuard
 
-from .._core.log_once import LogOnce, log_in_thread
-from .._core.robot_widget import RobotWidget
-from .._core.sample_widget import SampleWidget
 from ..drive_widget import DriveWidget
 from ..kinds import on_demand_row, role_of, sensor_of
+from ..runtime.log_once import LogOnce, log_in_thread
+from ..widget.robot_widget import RobotWidget
+from ..widget.sample_widget import SampleWidget
 from ._topics import FeedTopic, no_such
 from ._two_scanners import TwoScanners
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 from uuid import uuid4
 
-from .._core.sample_widget import SampleWidget
-from .._core.title_observers import TitleObservers
 from ..kinds import sensor_of, title_of
+from ..widget.sample_widget import SampleWidget
+from ..widget.title_observers import TitleObservers
 from ._callbacks import FunctionCaller
 from ._subscription import Subscription, Target
 from ._topics import FeedTopic

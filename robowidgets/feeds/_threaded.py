@@ -6,9 +6,9 @@ import logging
 import threading
 from abc import ABC, abstractmethod
 
-from .._core.clock import Clock, scheduler
-from .._core.log_once import LogOnce
-from .._core.platform_fixes import run_beside_debugger
+from ..runtime.clock import Clock, scheduler
+from ..runtime.log_once import LogOnce
+from ..runtime.platform_fixes import run_beside_debugger
 from .middleware import CLOSE_TIMEOUT, Listener
 
 log = logging.getLogger("robowidgets")

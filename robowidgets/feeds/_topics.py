@@ -6,10 +6,10 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
-from .._core.tables import Table
-from .._core.text import many
 from ..kinds import KINDS, counts_every_message, is_standard, is_undecided, kind_of_message, kind_of_type, widgets_of
 from ..messages.brief import brief
+from ..runtime.tables import Table
+from ..runtime.text import many
 from .middleware import EVENTS, Advert
 
 _HEADS = ("topic", "type", "published", "heard", "widget")

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any, Protocol
 
-from .._core.clock import Clock
 from ..driving.command_watchdog import RECENT, ZERO, Velocity
 from ..messages.twist import TWIST, TWIST_STAMPED
+from ..runtime.clock import Clock
 from .middleware import Advert, FeedError
 
 

@@ -17,9 +17,9 @@ from collections.abc import Callable
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
-from .._core.clock import Clock
-from .._core.platform_fixes import acknowledge_at_once, close_when_connected, skip_large_messages
-from .._core.urls import redacted, without_secrets
+from ..runtime.clock import Clock
+from ..runtime.platform_fixes import acknowledge_at_once, close_when_connected, skip_large_messages
+from ..runtime.urls import redacted, without_secrets
 from ..samples.staleness import NO_ANSWER, ROBOT_GONE, ROBOT_SILENCE
 from .middleware import SEND_TIMEOUT, FeedError
 

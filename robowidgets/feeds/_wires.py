@@ -6,14 +6,14 @@ from collections.abc import Collection, Iterable
 from contextlib import suppress
 from typing import Any
 
-from .._core.observed import Observed
-from .._core.text import many
 from ..behaviors.machine import Machine
 from ..behaviors.program import ENDED, Program
 from ..message_widget import MessageWidget
 from ..messages.brief import brief
 from ..messages.infrastructure import is_infrastructure
+from ..runtime.text import many
 from ..samples import Speed
+from ..widget.observed import Observed
 from ..wires_widget import NotebookPart, Wire, Wiring
 from ._connection import Connection
 from ._subscription import Target

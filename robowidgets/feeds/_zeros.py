@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from .._core.clock import Clock
 from ..driving.command_watchdog import RECENT
+from ..runtime.clock import Clock
 
 AGAIN = (1.0, 2.0, 4.0, 8.0, 16.0)
 """Seconds after a zero at which it is written again for a subscriber that does not confirm messages."""

@@ -8,9 +8,9 @@ from contextlib import suppress
 from ipaddress import IPv4Address, IPv6Address, ip_address
 from typing import TYPE_CHECKING, Any
 
-from .._core import in_browser
-from .._core.clock import Clock
 from ..messages.twist import TWIST_STAMPED, encode_twist
+from ..notebook import in_browser
+from ..runtime.clock import Clock
 from ._guard.mark import MARK
 from ._ros2_common import checked_domain, no_robot
 from ._threaded import ThreadedMiddleware

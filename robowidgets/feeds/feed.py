@@ -8,16 +8,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from .._core.cells import CellNote, name_in_cells
-from .._core.clock import Clock, scheduler
-from .._core.inform import inform
-from .._core.tables import Table
-from .._core.watch import Watch
-from .._core.watching import check_watch_name, default_name
 from ..behaviors.variables import Variables
 from ..driving.command_watchdog import Velocity
+from ..notebook.cells import CellNote, name_in_cells
+from ..runtime.clock import Clock, scheduler
+from ..runtime.inform import inform
+from ..runtime.tables import Table
 from ..samples import Mount, Scan
 from ..samples.checks import finite
+from ..widget.watch import Watch
+from ..widget.watching import check_watch_name, default_name
 from ._callbacks import ConnectedFunction
 from ._connection import Connection
 from ._driving import Driving
@@ -400,7 +400,7 @@ class Feed:
         """Evaluate a condition whenever the robot sends a message on any of the topics that it reads.
 
         It is evaluated in a separate thread, on the newest messages. A condition that raises an error is switched off,
-        and `error` of the result gives the reason. A program may wait for it: see `robowidgets.search.conditions` and
+        and `error` of the result gives the reason. A program may wait for it: see `robowidgets.conditions` and
         `Watch`. Unlike `watch` of a widget it has no lamp.
 
         Args:

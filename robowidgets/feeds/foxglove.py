@@ -12,9 +12,9 @@ from functools import partial
 from struct import Struct
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .._core.clock import Clock
 from ..messages.channel import Channel
 from ..messages.twist import encode_twist
+from ..runtime.clock import Clock
 from ._bridge import Bridge, Read, UnreadableError, short_type, strings
 from ._foxglove_channels import Graph, channel_of, decoder
 from ._other_bridge import FOXGLOVE, is_rosbridge

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
-from .._core.renamed import renamed
+from ..runtime.renamed import renamed
 
 EVENTS = 100
 """The longest queue of messages, for kinds that need every message."""

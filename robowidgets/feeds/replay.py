@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from .._core.clock import Clock
 from ..recordings import RecordingData
 from ..recordings.topics import Topic
+from ..runtime.clock import Clock
 from ..samples import HasAge
 from ..samples.age import note_arrival
 from ..samples.checks import finite

@@ -11,8 +11,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
-from .._core import in_browser
 from ..messages.channel import Channel
+from ..notebook import in_browser
 from ._guard.mark import MARK
 from ._ros1_master import Master, MasterError, SystemState, master_of
 from ._ros1_presence import Presence

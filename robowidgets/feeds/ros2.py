@@ -6,8 +6,8 @@ import logging
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .._core import in_browser
-from .._core.clock import Clock
+from ..notebook import in_browser
+from ..runtime.clock import Clock
 from ._guard.mark import MARK
 from ._ros2_common import ALONE, checked_domain, domain_of_environment, is_alone, no_robot
 from ._ros2_session import Ros2Session, one_line

@@ -12,9 +12,9 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from .._core.clock import Clock
 from ..messages.channel import full_type
 from ..messages.twist import TWIST, TWIST_STAMPED
+from ..runtime.clock import Clock
 from ._bridge import Bridge, UnreadableError, other_nodes, short_type, strings
 from ._other_bridge import is_foxglove
 from ._rosbridge_frames import has_cbor, read, topic_of

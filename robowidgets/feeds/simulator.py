@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from .._core import in_browser
-from .._core.clock import Clock
 from ..behaviors.program import ENDED
 from ..driving.command_watchdog import Velocity
 from ..kinds import KINDS, load
 from ..laser_widget import LaserWidget
 from ..messages import to_speed
+from ..notebook import in_browser
+from ..runtime.clock import Clock
 from ..samples.checks import finite
 from ..simulator import Robot, Scanner, World
 from ..simulator import room as room_of

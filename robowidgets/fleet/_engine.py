@@ -11,15 +11,15 @@ from functools import lru_cache
 from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple
 
-from .._core.clock import Clock, RealClock
-from .._core.inform import inform
-from .._core.urls import redacted
-from .._core.user_threads import UserThread
-from .._core.waiters import LOOK
 from ..messages.decoding import one_line
 from ..messages.definitions import add, all_added
+from ..recordings.search.base import ConditionError
 from ..repair import RecordingError
-from ..search.base import ConditionError
+from ..runtime.clock import Clock, RealClock
+from ..runtime.inform import inform
+from ..runtime.urls import redacted
+from ..runtime.user_threads import UserThread
+from ..runtime.waiters import LOOK
 
 LONGEST = 600.0
 """The maximum number of seconds that one recording may take."""

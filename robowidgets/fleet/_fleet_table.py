@@ -11,11 +11,11 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from .._core.output_file import checked_output, whole_file
-from .._core.tables import Table
-from .._core.text import listed, many
 from ..recordings.columns.tables import RowType, frame_of, library
 from ..recordings.times import has_date
+from ..runtime.output_file import checked_output, whole_file
+from ..runtime.tables import Table
+from ..runtime.text import listed, many
 
 SHOWN = 20
 """The number of rows that are printed."""

@@ -8,10 +8,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
-from .._core.progress import Progress, without_bars
+from ..files.remote import is_url, with_secrets
 from ..kinds import KINDS
 from ..messages.definitions import all_added, installed
-from ..recordings.remote import is_url, with_secrets
+from ..notebook.progress import Progress, without_bars
 from ..repair import find_files
 from ._engine import LONGEST, each
 from ._fleet_table import Unread

@@ -12,11 +12,11 @@ from threading import Thread
 from typing import Any, NamedTuple
 from zlib import crc32
 
-from .._core.cache_folder import cache_folder
-from .._core.urls import redacted
+from ..files import remote
 from ..messages.decoding import one_line
-from ..recordings import remote
 from ..repair import RecordingError, files_beside, find_files
+from ..runtime.cache_folder import cache_folder
+from ..runtime.urls import redacted
 
 _AT_ONCE = 16
 """The maximum number of servers that are asked at the same time."""

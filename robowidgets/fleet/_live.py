@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from .._core.cells import running_cell
-from .._core.error_routing import called_from_cell
-from .._core.progress import SHOWN_AFTER
+from ..notebook.cells import running_cell
+from ..notebook.progress import SHOWN_AFTER
+from ..runtime.error_routing import called_from_cell
 from ._fleet_table import Unread
 from .hits import Hits
 

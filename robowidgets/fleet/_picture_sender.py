@@ -7,12 +7,12 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 
-from .._core.clock import Scheduler, Ticket, scheduler
-from .._core.progress import without_bars
 from ..messages.decoding import one_line
+from ..notebook.progress import without_bars
 from ..recordings import RecordingData
+from ..recordings.search.base import Condition
 from ..repair import RecordingError
-from ..search.base import Condition
+from ..runtime.clock import Scheduler, Ticket, scheduler
 from ._hit import Hit
 from ._pictures import pictures, unreadable
 

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from ..kinds import LASER, TOUCH
 from ..messages.decoding import one_line
 from ..recordings import RecordingData
+from ..recordings.search.base import Condition, Curve
+from ..recordings.search.instant import Instant, NoSampleYetError, Now
 from ..recordings.topics import shown
 from ..samples import Scan
 from ..samples.distances import ray_distances
 from ..samples.event import Event
 from ..samples.verdict import UNKNOWN, Verdict
-from ..search.base import Condition, Curve
-from ..search.instant import Instant, NoSampleYetError, Now
 from ._hit import Hit
 
 MOST_RAYS = 400

@@ -8,15 +8,15 @@ from typing import Any, TypeVar
 
 import ipywidgets
 
-from .._core.cells import close_all, take_the_place
-from .._core.coalesced_call import CoalescedCall
-from .._core.text import many
-from ..player.player import Player
+from ..files.remote import is_url
+from ..notebook.cells import close_all, take_the_place
 from ..recording import open as open_recording
 from ..recordings.labels import SHORTEST, Label, LabelFile, LabelledSpan
-from ..recordings.remote import is_url
+from ..recordings.search.base import Condition
 from ..recordings.times import has_date
-from ..search.base import Condition
+from ..runtime.coalesced_call import CoalescedCall
+from ..runtime.text import many
+from ..screen.player import Player
 from ..sheet_widget import SheetFile, SheetWidget
 from ._fleet_table import Unread, short
 from ._hit import Hit

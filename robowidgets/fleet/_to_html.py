@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._core.cells import close_all
-from .._core.progress import Progress, without_bars
-from .._core.text import many, megabytes
 from ..export.html import Heading, Page, PageAssets, check_texts
 from ..export.models import Models, shown
-from ..player.player import Player
+from ..notebook.cells import close_all
+from ..notebook.progress import Progress, without_bars
 from ..recording import open as open_recording
+from ..recordings.search.base import Condition
+from ..runtime.text import many, megabytes
 from ..samples.checks import not_negative
-from ..search.base import Condition
+from ..screen.player import Player
 from ..sheet_widget import SheetWidget
 from ._hit import Hit
 from ._pictures import pictures

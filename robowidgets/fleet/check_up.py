@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from .._core.progress import without_bars
-from .._core.tables import Table
-from .._core.text import listed, many
+from ..notebook.progress import without_bars
 from ..recording import open as open_recording
 from ..recordings.columns.tables import date, text
+from ..runtime.tables import Table
+from ..runtime.text import listed, many
 from ..samples import Problem
 from ._engine import LONGEST
 from ._fleet_table import FleetTable, date_of, without_name

@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from .._core.output_file import checked_output, whole_file
-from .._core.progress import without_bars
-from .._core.tables import Table
-from .._core.text import many
+from ..files.remote import is_url
 from ..kinds import LASER, SPEED, TOUCH
+from ..notebook.progress import without_bars
 from ..recording import open as open_recording
 from ..recordings.columns.tables import RowType, date, library, number, short_number, text, whole
-from ..recordings.remote import is_url
+from ..recordings.search.base import Condition, condition
+from ..recordings.search.instant import Instant
+from ..recordings.search.seconds import NEAREST, NUMBERS, SECOND, SecondRows, Texts, seconds_of
 from ..recordings.times import has_date
 from ..repair import RecordingError, natural
-from ..search.base import Condition, condition
-from ..search.instant import Instant
-from ..search.seconds import NEAREST, NUMBERS, SECOND, SecondRows, Texts, seconds_of
+from ..runtime.output_file import checked_output, whole_file
+from ..runtime.tables import Table
+from ..runtime.text import many
 from ._engine import LONGEST
 from ._fleet_table import Unread, not_read
 from ._gather import FromAll, gather, identity_or_none

@@ -9,14 +9,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, overload
 
-from .._core.cells import CellRun, running_cell
-from .._core.output_file import checked_output
-from .._core.tables import Table
-from .._core.text import as_date, listed, many
 from ..export.html import MAX_SIZE, SUFFIXES
+from ..notebook.cells import CellRun, running_cell
 from ..recordings.columns.tables import date, number, text, texts, whole
-from ..search.base import Condition
-from ..search.spans import cell, more_heads
+from ..recordings.search.base import Condition
+from ..recordings.search.spans import cell, more_heads
+from ..runtime.output_file import checked_output
+from ..runtime.tables import Table
+from ..runtime.text import as_date, listed, many
 from ._fleet_table import SHOWN, FleetTable, short
 from ._hit import Hit as Hit
 

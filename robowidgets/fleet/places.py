@@ -9,8 +9,8 @@ from itertools import starmap
 from pathlib import Path
 from typing import NamedTuple
 
-from ..recordings.files import is_one_recording
-from ..recordings.remote import is_url, recordings_at
+from ..files import is_one_recording
+from ..files.remote import is_url, recordings_at
 from ..repair import find_files, is_carmen, natural
 
 PathLike = str | os.PathLike[str]

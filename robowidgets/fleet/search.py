@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from .._core.progress import without_bars
+from ..notebook.progress import without_bars
 from ..recording import open as open_recording
+from ..recordings.search.base import Condition, condition
 from ..recordings.topics import UnknownTopicError
-from ..search.base import Condition, condition
 from ._engine import LONGEST
 from ._fleet_table import Unread
 from ._gather import FromAll, gather, identity_or_none, kept_of

@@ -9,19 +9,19 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.progress import without_bars
-from .._core.tables import Table
-from .._core.text import as_date, many
 from ..kinds import LASER, SPEED, TOUCH
+from ..notebook.progress import without_bars
 from ..poses.path import is_jump
 from ..recording import Recording
 from ..recording import open as open_recording
 from ..recordings.columns.tables import date, number, text, whole
+from ..recordings.search import conditions
 from ..recordings.times import has_date
+from ..runtime.tables import Table
+from ..runtime.text import as_date, many
 from ..samples.checks import shortest
 from ..samples.distances import ray_distances
 from ..samples.staleness import RECORDED
-from ..search import conditions
 from ._engine import LONGEST
 from ._fleet_table import SHOWN, FleetTable, date_of, short
 from ._gather import gather, kept_of

@@ -6,9 +6,9 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._core.cells import take_the_place
-from .._core.output_file import checked_output, whole_file
+from ..notebook.cells import take_the_place
 from ..recordings import RecordingData
+from ..runtime.output_file import checked_output, whole_file
 from .rerun_log import Log
 from .widget import RerunWidget
 

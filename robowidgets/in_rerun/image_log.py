@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..camera import CameraModel
-from ..imaging import as_numbers
+from ..image import as_numbers
 from ..messages import to_camera_info, to_image
 from ..recordings.calibration import first_info
 from ..recordings.topics import Topic

@@ -13,11 +13,11 @@ from typing import Any
 
 import ipywidgets
 
-from .._core.coalesced_call import CoalescedCall
-from .._core.pacer import pacer
-from .._core.progress import without_bars
-from .._core.time_traits import Seconds
+from ..notebook.progress import without_bars
 from ..recordings import RecordingData
+from ..runtime.coalesced_call import CoalescedCall
+from ..widget.pacer import pacer
+from ..widget.time_traits import Seconds
 from ._sdk import library
 from ._server import kept_here, read, server
 from .rerun_log import CLOCK, SECONDS, Log

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .._core.robot_widget import RobotWidget
-from .._core.traits import Flag
 from ..samples import Scan
+from ..widget.robot_widget import RobotWidget
+from ..widget.traits import Flag
 from .footprint import Footprint, HasFootprint
 
 

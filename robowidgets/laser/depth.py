@@ -7,13 +7,13 @@ from typing import Any
 
 import traitlets
 
-from .._core.robot_widget import RobotWidget
 from ..camera import depth_scan
 from ..kinds import info_of
 from ..messages import to_camera_info, to_image
 from ..messages.fields import has, unwrap
 from ..messages.image import IMAGE_TYPES
 from ..samples import CameraInfo, Image, Scan
+from ..widget.robot_widget import RobotWidget
 
 
 class RowsTrait(traitlets.TraitType[Any, Any]):

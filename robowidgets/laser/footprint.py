@@ -9,10 +9,10 @@ from typing import Any
 
 import traitlets
 
-from .._core.freezing import FreezableWidget
 from ..samples import Mount
 from ..samples.checks import finite, in_radians
 from ..samples.sector import SectorLike, to_sector
+from ..widget.freezing import FreezableWidget
 
 FARTHEST = 100.0
 """Metres from the middle of a robot to its outline."""

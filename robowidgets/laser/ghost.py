@@ -7,11 +7,11 @@ from typing import Any
 
 import traitlets
 
-from .._core.robot_widget import RobotWidget
-from .._core.timed_frame import FRAME_HEADER
-from .._core.traits import bytes_trait
 from ..samples import Scan
 from ..samples.age import arrival_of
+from ..widget.robot_widget import RobotWidget
+from ..widget.timed_frame import FRAME_HEADER
+from ..widget.traits import bytes_trait
 
 
 class HasGhost(RobotWidget[Scan]):

@@ -6,8 +6,8 @@ from typing import Any
 
 import traitlets
 
-from .._core.robot_widget import RobotWidget
 from ..samples import Scan
+from ..widget.robot_widget import RobotWidget
 
 
 class HasSonars(RobotWidget[Scan]):

@@ -18,9 +18,9 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
-from .._core.user_function import error_in
 from ..behaviors.drive import Drive
 from ..behaviors.simulation import ProgramRun
+from ..runtime.user_function import error_in
 
 OWN = ("state", "variables")
 """The inputs of a program that stay in this process."""

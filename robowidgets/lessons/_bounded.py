@@ -8,12 +8,12 @@ from functools import wraps
 from math import inf
 from typing import Any
 
-from .._core.no_input import without_input
-from .._core.platform_fixes import capture_prints, release_prints
-from .._core.policies import ANSWER
-from .._core.user_function import error_in, line_of
-from .._core.user_threads import UserThread, frames_of
 from ..behaviors.prints import Prints
+from ..runtime.no_input import without_input
+from ..runtime.platform_fixes import capture_prints, release_prints
+from ..runtime.policies import ANSWER
+from ..runtime.user_function import error_in, line_of
+from ..runtime.user_threads import UserThread, frames_of
 from ..samples.hints import hearing
 from ._texts import say
 

@@ -17,9 +17,9 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple
 
-from .._core.import_path import import_path
 from ..behaviors.drive import Drive
 from ..behaviors.prints import Prints
+from ..runtime.import_path import import_path
 from ._answers import OWN
 from ._bounded import BrokenError, WrongError
 from ._check import TASKS as CASES

@@ -1,6 +1,6 @@
 """The data of recordings: files of messages, opened for reading as samples. This part imports no widgets."""
 
-from .._core import in_browser
+from ..notebook import in_browser
 
 if in_browser.IN_BROWSER:
     in_browser.prepare_recordings()

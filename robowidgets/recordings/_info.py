@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .._core.tables import Table
-from .._core.text import as_date, many
 from ..kinds import widgets_of
+from ..runtime.tables import Table
+from ..runtime.text import as_date, many
 from .program_log import PROGRAM
 from .times import has_date
 from .topics import Topic

@@ -6,16 +6,16 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
-from .._core.progress import Progress
-from .._core.text import listed, many
 from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, DecodeError, decoder_of, may_go_on, one_line, shape_of
 from ..messages.event import LOG_TYPES, line_level
 from ..messages.protobuf import NO_PROTOBUF, has_protobuf
 from ..messages.standard import ODOMETRY
+from ..notebook.progress import Progress
 from ..poses.transforms import TRANSFORMS, Transform, transforms_of
 from ..repair import Message, RecordingError, Source
+from ..runtime.text import listed, many
 from ..samples import Problem
 from ..samples.event import Event, Level
 from ..samples.staleness import OPEN_END

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from .._core.tables import Table
-from .._core.text import megabytes
+from ..files import open_as_ros
+from ..files.remote import fetch, held, is_url
 from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
 from ..poses.places import WITHIN, Places, to_place
 from ..repair import RecordingError
+from ..runtime.tables import Table
+from ..runtime.text import megabytes
 from ..samples import Mount, Problem, Scan
 from ..samples.checks import not_negative
 from ..samples.event import Event, holds, to_level, to_words
@@ -31,11 +33,9 @@ from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .events import Events, RecordedEvent, has_events
-from .files import open_as_ros
 from .labels import Label, LabelFile, LabelledSpan, labelled_span, with_clock
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
-from .remote import fetch, held, is_url
 from .time_slice import TimeSlice
 from .times import seconds_at, span_ns, to_ns
 from .topics import Moment, TimedMessage, Topic, UnknownTopicError, check, check_known, named, only, shown, wanted

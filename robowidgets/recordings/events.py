@@ -9,10 +9,10 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.tables import Table
-from .._core.text import many
 from ..kinds import TOUCH
 from ..messages.event import REPEATED_TYPES, SAID_TYPES, EventReader
+from ..runtime.tables import Table
+from ..runtime.text import many
 from ..samples.event import Event, Level
 from .columns.tables import Columns
 from .program_log import PROGRAM, STATES, version_of

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..kinds import topic_and_field
-from ..plotting.units import unit_of
+from ..messages.units import unit_of
 from ..repair import RecordingError
 from .columns._fields import Fields
 from .topics import Topic

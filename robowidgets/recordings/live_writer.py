@@ -11,15 +11,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from .._core.clock import Clock, Detached, Threads, Ticket
-from .._core.text import many
-from .._core.waiters import Waiters
 from ..kinds import kind_of_sample
 from ..messages.channel import Channel
 from ..messages.decoding import channel_of, store_of
 from ..messages.encoding import encode
 from ..messages.standard import ToMessage, mount_message
 from ..repair.write import McapWriter
+from ..runtime.clock import Clock, Detached, Threads, Ticket
+from ..runtime.text import many
+from ..runtime.waiters import Waiters
 
 log = logging.getLogger("robowidgets")
 

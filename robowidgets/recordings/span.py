@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .._core.text import degrees_of
+from ..runtime.text import degrees_of
 
 
 class Span(NamedTuple):

@@ -8,8 +8,8 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
-from .._core.text import as_date
 from ..repair import REAL_FROM_NS, RecordingError
+from ..runtime.text import as_date
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 _LONGEST = 2**62 / 1e9

@@ -12,8 +12,8 @@ from itertools import compress
 from pathlib import Path
 from typing import NamedTuple
 
-from .._core.text import many
 from ..messages.channel import Channel
+from ..runtime.text import many
 from ._carmen_lines import (
     ESTIMATE,
     NEW_SCANS,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.text import many, often
+from ..runtime.text import many, often
 from ..samples.staleness import ENDED, usual_step
 
 Times = NDArray[np.int64]

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
-from .._core.progress import Progress
 from ..messages.channel import Channel
 from ..messages.compression import COMPRESSIONS, MAX_CHUNK, inflate
+from ..notebook.progress import Progress
 from ._byte_range import ByteRange, FileRange, MemoryRange
 from ._found_messages import MAX_PLACES, Damage, FoundMessages, Walk
 

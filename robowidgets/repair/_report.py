@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .._core.text import many
+from ..runtime.text import many
 from ._found_messages import Damage, Walk
 from .source import RecordingError
 

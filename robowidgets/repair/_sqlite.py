@@ -12,9 +12,9 @@ from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import NamedTuple
 
-from .._core.in_browser import NO_DATABASES
-from .._core.progress import Progress
 from ..messages.channel import Channel, definition_text
+from ..notebook.in_browser import NO_DATABASES
+from ..notebook.progress import Progress
 from ._byte_range import FileRange
 from ._found_messages import MAX_PLACES, Damage, Walk
 from ._report import HEAD, foreign

@@ -8,11 +8,11 @@ from typing import BinaryIO, NamedTuple
 
 from mcap.writer import CompressionType, Writer
 
-from .._core.in_browser import IN_BROWSER
-from .._core.output_file import whole_file
-from .._core.progress import Progress
 from ..messages.channel import Channel, is_idl
 from ..messages.decoding import definition_of
+from ..notebook.in_browser import IN_BROWSER
+from ..notebook.progress import Progress
+from ..runtime.output_file import whole_file
 from .source import RecordingError, Source
 
 _PROFILES = {"cdr": "ros2", "ros1": "ros1"}

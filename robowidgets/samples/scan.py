@@ -15,18 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import scan_problems
 from .age import HasAge, arrival_of, note_arrival
-from .checks import (
-    ANGLE_ROUNDING,
-    finite,
-    floats,
-    frozen,
-    in_radians,
-    is_frozen,
-    metres,
-    number,
-    shortest,
-    to_radians,
-)
+from .checks import ANGLE_ROUNDING, finite, floats, frozen, in_radians, is_frozen, metres, number, shortest, to_radians
 from .distances import angles_of, difference, distances, inside, ray_distances
 from .echoes import Echoes, Sources, check_choice
 from .mount import Mount

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.limit_traits import is_past
 from ..samples import AXES
+from ..widget.limit_traits import is_past
 from .scan_times import ScanTimes
 
 MOST_SPEEDS = 4_000

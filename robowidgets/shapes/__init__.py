@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from .._core.renamed import renamed
+from ..runtime.renamed import renamed
 from .forms import Arc, Arrow, Line, Points, Polygon, Shape, Text
 
 __all__ = ["Arc", "Arrow", "Line", "Points", "Polygon", "Shape", "Text"]

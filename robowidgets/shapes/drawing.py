@@ -9,11 +9,11 @@ from math import isfinite
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from .._core.error_routing import called_from_cell
-from .._core.pacer import pacer
-from .._core.robot_widget import RobotWidget
-from .._core.user_function import error_in
+from ..runtime.error_routing import called_from_cell
+from ..runtime.user_function import error_in
 from ..samples.checks import number
+from ..widget.pacer import pacer
+from ..widget.robot_widget import RobotWidget
 from .forms import MOST_PLACES, Shape, short_text
 
 MOST_NAMES = 100

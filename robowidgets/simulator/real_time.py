@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any
 
-from .._core.clock import Clock, scheduler
+from ..runtime.clock import Clock, scheduler
 from .offers import MakeOffers
 from .robot import Robot
 from .wander import wander as wander_about

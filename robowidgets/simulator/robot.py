@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from .._core.observed import Observed
 from ..samples import Image, Pose, Range, Scan, Speed, Touch, TouchMode
 from ..samples.checks import finite
+from ..widget.observed import Observed
 from ._contact import PRESSED_WITHIN, contact_angles, over_drop, pressed, push_out
 from ._models import WHEELS, model_of
 from ._scanners import scanner_of

@@ -16,7 +16,7 @@ from functools import partial
 from importlib import import_module
 from typing import IO, Any
 
-from .._core.import_path import import_path
+from ..runtime.import_path import import_path
 from .offers import MakeOffers
 from .real_time import RealTime
 from .robot import Robot

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from .._core.freezing import FreezableWidget
-from .._core.front_end import bundle
-from .._core.heartbeat import BeatingWidget
-from .._core.pacer import pacer
-from .._core.platform_fixes import route_by_message
-from .._core.traits import Flag, bytes_trait
+from ..runtime.platform_fixes import route_by_message
 from ..samples import Validity
 from ..samples.checks import finite
+from ..widget.freezing import FreezableWidget
+from ..widget.front_end import bundle
+from ..widget.heartbeat import BeatingWidget
+from ..widget.pacer import pacer
+from ..widget.traits import Flag, bytes_trait
 from .robot import Robot
 
 HEADER = struct.Struct("<14d")

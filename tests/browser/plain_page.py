@@ -29,9 +29,9 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, StaticFileHandler
 from tornado.websocket import WebSocketHandler
 
-from robowidgets._core.pacer import pacer
 from robowidgets.feeds import Feed
 from robowidgets.recordings import RecordingData
+from robowidgets.widget.pacer import pacer
 
 from .console import Console
 from .notebook import CellError, wait_for_drawing

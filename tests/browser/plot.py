@@ -30,7 +30,7 @@ plot
 """
 LIVE = """
 from robowidgets import PlotWidget
-from robowidgets._core.pacer import pacer
+from robowidgets.widget.pacer import pacer
 plot = PlotWidget(title="live", units={"v": "m/s", "heading": "rad"})
 for i in range(600):
     plot.update({"v": (i % 50) / 100, "heading": 3 - i / 100}, time=i / 10)

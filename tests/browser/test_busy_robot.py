@@ -38,7 +38,7 @@ while True:
     time.sleep(0.01)
 """
 ARRIVED = """
-from robowidgets._core.timed_frame import FRAME_HEADER
+from robowidgets.widget.timed_frame import FRAME_HEADER
 print(*(FRAME_HEADER.unpack_from(view.widgets[topic]._frozen_frame)[3] for topic in ("/scan", "/odom")))
 """
 

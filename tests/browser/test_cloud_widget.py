@@ -145,7 +145,7 @@ def test_it_freezes_steps_back_and_keeps_the_last_good_cloud_with_one_line(
 ) -> None:
     nb = plain_page([ROOM])
     card = nb.widget(0).locator(".rw-card")
-    flush = "from robowidgets._core.pacer import pacer"
+    flush = "from robowidgets.widget.pacer import pacer"
     for i in range(3):
         nb.python(f"{flush}\nclouds.update([[{i + 1}.0, 0.0, 0.0]]); pacer.flush()")
         expect(card.locator(".rw-cloud-nearest")).to_contain_text(f"nearest {i + 1}.00 m")

@@ -361,7 +361,7 @@ def test_pictures_of_conditions(plain_page: Callable[..., PlainPage], theme: Lit
 TRAIL = """
 import robowidgets
 from robowidgets import LaserWidget, PathWidget, together
-from robowidgets._core.pacer import pacer
+from robowidgets.widget.pacer import pacer
 
 laser, path = LaserWidget(title="/scan", view_range=5, trail=60), PathWidget(title="/odom")
 view = together(laser, path)

@@ -70,7 +70,7 @@ def test_stays_and_is_compared(plain_page: Callable[..., PlainPage]) -> None:
     ]
 
     # Three scans ago, from what the page keeps.
-    nb.python("from robowidgets._core.pacer import pacer")
+    nb.python("from robowidgets.widget.pacer import pacer")
     for metres in (1.0, 1.1, 1.2, 1.3):
         nb.python(f"laser.update(**fan({{9: {metres}}})); pacer.flush()")
     nb.python("laser.ghost = 3; pacer.flush()")

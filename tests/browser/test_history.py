@@ -22,7 +22,7 @@ BOXES = """(card) => {
     return [[inner.x - outer.x, inner.y - outer.y, inner.width, inner.height], outer.height];
 }"""
 # Sample n has its nearest reading at n centimetres more than 0.6 m.
-TWENTY = f"{SETUP}\nfrom robowidgets._core.pacer import pacer\n" + (
+TWENTY = f"{SETUP}\nfrom robowidgets.widget.pacer import pacer\n" + (
     "def feed(*numbers):\n"
     "    for n in numbers:\n"
     "        laser.update(**fan({9: 0.6 + n / 100}))\n"
@@ -130,7 +130,7 @@ def test_python_and_a_second_view_have_the_sample_stepped_to(plain_page: Callabl
 def test_speeds_and_touches_of_an_earlier_sample_are_right(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page(
         [
-            "from robowidgets import SpeedWidget, TouchWidget\nfrom robowidgets._core.pacer import pacer\n"
+            "from robowidgets import SpeedWidget, TouchWidget\nfrom robowidgets.widget.pacer import pacer\n"
             "speed, touch = SpeedWidget(hold_peaks=True), TouchWidget()\nspeed",
             "touch",
             "for n in range(1, 5):\n"

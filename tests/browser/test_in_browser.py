@@ -33,8 +33,8 @@ from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.storage_mcap import McapReader
 
 from robowidgets import SAMPLE
-from robowidgets._core.in_browser import NO_SWITCHING
 from robowidgets.messages.compression import inflate, zstd
+from robowidgets.notebook.in_browser import NO_SWITCHING
 
 from .. import stack_cases
 from ..conftest import ROOT
@@ -169,7 +169,7 @@ from base64 import b64decode
 from pathlib import Path
 
 home = Path(importlib.util.find_spec("robowidgets").origin).parent
-sys.modules["robowidgets._core.in_browser"].prepare_recordings()
+sys.modules["robowidgets.notebook.in_browser"].prepare_recordings()
 # By their files: what else is in the package needs NumPy.
 spec = importlib.util.spec_from_file_location("compression", home / "messages" / "compression.py")
 compression = importlib.util.module_from_spec(spec)
@@ -376,7 +376,7 @@ class Server:
         self._server.server_close()
 
 
-CORE = ("__init__", "in_browser", "stack_threads")
+THREADS = ("notebook/__init__", "notebook/in_browser", "runtime/__init__", "runtime/stack_threads")
 LOAD = """
 async ([url, texts, code]) => {
   const { loadPyodide } = await import(`${url}/pyodide.mjs`);
@@ -391,7 +391,7 @@ async ([url, texts, code]) => {
 RUN = """
 import json, js
 from pyodide.ffi import create_proxy
-from robowidgets._core import in_browser
+from robowidgets.notebook import in_browser
 
 threads = in_browser.prepare()
 import stack_cases
@@ -404,8 +404,7 @@ def test_threads_do_in_chromium_what_they_do_elsewhere(browser: Browser) -> None
     page = browser.new_page()
     console = Console(page)
     page.goto(f"{server.url}/package.json")
-    core = ROOT / "robowidgets" / "_core"
-    texts = {f"robowidgets/_core/{name}.py": (core / f"{name}.py").read_text() for name in CORE}
+    texts = {f"robowidgets/{name}.py": (ROOT / f"robowidgets/{name}.py").read_text() for name in THREADS}
     texts["stack_cases.py"] = Path(stack_cases.__file__).read_text()
     wrong: dict[str, str] = json.loads(page.evaluate(LOAD, [server.url, texts, f"{BARE}\n{RUN}"]))
     assert list(wrong) == list(stack_cases.CASES)

@@ -14,7 +14,8 @@ import pytest
 from playwright.sync_api import Locator, Position, expect
 
 import robowidgets
-from robowidgets.player import _overview, _prefetcher
+from robowidgets.scanogram import overview as _overview
+from robowidgets.screen import _prefetcher
 
 from ..unit.recordings import corridor, robot, sweeps
 from ..unit.waiting import wait_for

@@ -152,7 +152,7 @@ except TimeoutError as error:
 
 
 def test_the_method_writes_the_file_when_the_page_answers(notebook: Callable[..., Notebook]) -> None:
-    setup = SETUP + "import os, time\nfrom robowidgets._core import png as _png\nlaser.has_rate = False"
+    setup = SETUP + "import os, time\nfrom robowidgets.widget import png as _png\nlaser.has_rate = False"
     setup += "  # else it would turn gray where the pictures take long\nlaser.update(**fan())"
     nb = notebook([setup, "display(laser, laser)", SAVE, "print(await laser.save_png('awaited.png'))"])
     card = nb.widget(1).locator(".rw-card")

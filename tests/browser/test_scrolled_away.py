@@ -23,7 +23,7 @@ LONG = "\n".join(f"# {line}" for line in range(80))
 WINDOWINGS = ["contentVisibility", "full"]
 """JupyterLab's default since 4.5, by which the browser skips cells, and before, by which cells are not displayed."""
 
-FIRST = f"{SETUP}\nfrom robowidgets._core.pacer import pacer\nlaser.update(**fan())\nlaser"
+FIRST = f"{SETUP}\nfrom robowidgets.widget.pacer import pacer\nlaser.update(**fan())\nlaser"
 
 Open = Callable[..., Notebook]
 

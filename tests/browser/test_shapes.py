@@ -51,7 +51,7 @@ def test_a_shape_goes_at_its_time_in_the_page_and_stays_on_a_frozen_picture(
     nb.python("laser.draw('wall', None); laser.draw('brief', Line((1, -1), (1, 1)), lifetime=0.4)")
     eventually(lambda: drawn(card) > 100, True)
     # The kernel is silent from here on.
-    nb.python("from robowidgets._core.pacer import pacer; pacer.forget(laser._expiry)")
+    nb.python("from robowidgets.widget.pacer import pacer; pacer.forget(laser._expiry)")
     eventually(lambda: drawn(card), 0)
     nb.python("laser.update(**fan()); laser.draw('frozen', Line((1, -1), (1, 1)), lifetime=5)")
     eventually(lambda: drawn(card) > 100, True)

@@ -19,7 +19,7 @@ from .test_png import differences, download, seen
 WIDGETS = f"""{SETUP}
 import time
 from robowidgets import SpeedWidget, TouchWidget
-from robowidgets._core.pacer import pacer
+from robowidgets.widget.pacer import pacer
 speed = SpeedWidget(title="/odom", linear_limits=(-0.5, 0.5), planar=True)
 touch = TouchWidget(title="/bumper", angles={{"left": 0.9, "center": 0.0, "right": -0.9}})
 

@@ -99,7 +99,7 @@ def test_it_freezes_while_a_cell_runs_and_steps_through_its_history(plain_page: 
     listen(nb.page)
     card = nb.widget(0).locator(".rw-card")
     feed = (
-        "from robowidgets._core.pacer import pacer\nfor i in range(5): sonars.update(front=1 + i / 10); pacer.flush()"
+        "from robowidgets.widget.pacer import pacer\nfor i in range(5): sonars.update(front=1 + i / 10); pacer.flush()"
     )
     nb.python(feed)
     eventually(lambda: "1.40 m" in texts(nb.widget(0)), True)

@@ -15,11 +15,11 @@ from playwright.sync_api import Browser, Page, expect
 
 import robowidgets
 from robowidgets import SAMPLE, LaserWidget, Scan
-from robowidgets._core.pacer import pacer
 from robowidgets.messages.any_message import value_at
 from robowidgets.messages.channel import Channel
 from robowidgets.repair.source import Message
 from robowidgets.repair.write import write
+from robowidgets.widget.pacer import pacer
 
 from ..unit.recordings import recorded, sweeps
 from ..unit.recordings.first_messages import Sent, by_type, first_messages

@@ -15,7 +15,7 @@ from playwright.sync_api import Locator, expect
 
 import robowidgets
 from robowidgets import kinds
-from robowidgets.recordings.files import open_source
+from robowidgets.files import open_source
 
 from ..fourth_kind.number_widget import build
 from ..fourth_kind.on_demand import ANY, AnyWidget, added

@@ -13,7 +13,7 @@ from .plain_page import PlainPage
 VIEW = f"""
 {SETUP}
 from robowidgets import PathWidget, spread, together
-from robowidgets._core.pacer import pacer
+from robowidgets.widget.pacer import pacer
 path = PathWidget(title="/odom")
 laser.arc_count = laser.ray_count = 0
 laser.update(**fan())

@@ -50,7 +50,7 @@ def test_lamps_of_all_states_fit_every_width(
 
 NEAR = """
 import time
-from robowidgets._core.pacer import pacer
+from robowidgets.widget.pacer import pacer
 def show(nearest):
     laser.update(**fan({9: nearest}))
     while not any(lamp["text"].startswith(f"{nearest:.2f} ") for lamp in laser._about.get("lamps", ())):

@@ -10,11 +10,11 @@ from types import MappingProxyType
 from typing import Any
 
 from robowidgets import kinds
-from robowidgets._core.robot_widget import RobotWidget
 from robowidgets.kinds import KINDS, Kind, Role
 from robowidgets.samples import HasAge
 from robowidgets.simulator import Robot
 from robowidgets.simulator.offers import Offer
+from robowidgets.widget.robot_widget import RobotWidget
 
 from .number import NUMBER, Number, to_number
 

@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from robowidgets._core.front_end import bundle
-from robowidgets._core.robot_widget import RobotWidget
+from robowidgets.widget.front_end import bundle
+from robowidgets.widget.robot_widget import RobotWidget
 
 from ..conftest import ROOT
 from .number import Number, to_number

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from typing import Any
 
 from robowidgets import kinds
-from robowidgets._core.robot_widget import RobotWidget
 from robowidgets.kinds import ON_DEMAND, OnDemandWidget
 from robowidgets.messages.fields import get, type_name
 from robowidgets.samples import HasAge
+from robowidgets.widget.robot_widget import RobotWidget
 
 
 class Came(HasAge):

@@ -9,7 +9,7 @@ from typing import Any
 
 
 class BatonHost:
-    """See `robowidgets._core.stack_threads.Host`."""
+    """See `robowidgets.runtime.stack_threads.Host`."""
 
     can_switch = True
 

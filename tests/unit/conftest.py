@@ -13,9 +13,9 @@ from . import lock_order
 
 lock_order.install()
 
-from robowidgets._core import pacer as _pacer  # noqa: E402
-from robowidgets._core.pacer import Pacer  # noqa: E402
 from robowidgets.messages import definitions  # noqa: E402
+from robowidgets.widget import pacer as _pacer  # noqa: E402
+from robowidgets.widget.pacer import Pacer  # noqa: E402
 
 lock_order.note_calls()
 

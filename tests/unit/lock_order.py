@@ -134,8 +134,8 @@ def note_calls() -> None:
     """Note the locks under which observers, and functions of users, are called. It imports robowidgets."""
     import traitlets
 
-    from robowidgets._core.observed import Observed
-    from robowidgets._core.runner import Runner
+    from robowidgets.runtime.runner import Runner
+    from robowidgets.widget.observed import Observed
 
     _note_calls(Observed, "_call_observers", lambda observed: f"observers of a {type(observed).__name__}")
     _note_calls(Runner, "_call", lambda *_: "a function of a user")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 import time
 
-from robowidgets._core.clock import Threads
-from robowidgets._core.pacer import Pacer
+from robowidgets.runtime.clock import Threads
+from robowidgets.widget.pacer import Pacer
 
 from .clocks import ManualClock
 

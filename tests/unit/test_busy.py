@@ -11,7 +11,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.versions]
 
 STARVING = """
 import os, sys, threading, time
-from robowidgets._core.pacer import Pacer
+from robowidgets.widget.pacer import Pacer
 
 class Sender:
     sent = 0

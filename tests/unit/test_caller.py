@@ -55,7 +55,7 @@ thread.join()
 assert refused()
 """,
     "a thread that asks whether a cell runs": """
-from robowidgets._core.error_routing import cell_is_running
+from robowidgets.runtime.error_routing import cell_is_running
 def ask():
     thread = threading.Thread(target=lambda: told.append(cell_is_running()))
     thread.start()

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from robowidgets import feeds
-from robowidgets._core import cells as _cells
+from robowidgets.notebook import cells as _cells
 
 from .shells import put_in_place
 

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from robowidgets._core.clock import Detached, Threads
-from robowidgets._core.pacer import Pacer
+from robowidgets.runtime.clock import Detached, Threads
+from robowidgets.widget.pacer import Pacer
 
 from .clocks import ManualClock
 from .senders import Sender

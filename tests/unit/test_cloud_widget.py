@@ -13,10 +13,10 @@ from traitlets import TraitError
 import robowidgets
 from robowidgets import CloudWidget, LaserWidget
 from robowidgets import cloud_widget as module
-from robowidgets._core.large_frames import MOST_KEPT_BYTES
-from robowidgets._widget_choice import choose_widgets
 from robowidgets.kinds import load
+from robowidgets.kinds.choice import choose_widgets
 from robowidgets.messages import to_cloud
+from robowidgets.widget.large_frames import MOST_KEPT_BYTES
 
 from ..vectors import BANDS
 from .recordings.recorded import write

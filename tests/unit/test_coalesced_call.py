@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from robowidgets._core.coalesced_call import CoalescedCall
+from robowidgets.runtime.coalesced_call import CoalescedCall
 
 
 def test_a_request_during_a_run_returns_at_once_and_is_run_by_the_same_thread() -> None:

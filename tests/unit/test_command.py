@@ -320,7 +320,7 @@ def test_find_prints_spans_and_0(capsys):
 
 
 def test_find_prints_json(capsys, monkeypatch):
-    monkeypatch.setattr("robowidgets._core.progress.SHOWN_AFTER", 0)
+    monkeypatch.setattr("robowidgets.notebook.progress.SHOWN_AFTER", 0)
     arguments = ["--speed-above", "0.1", "--gap", "1", "--any", "--speed", "/odom", "--json"]
     assert main(["find", str(robowidgets.SAMPLE), *arguments]) == 0
     said = capsys.readouterr()

@@ -168,7 +168,7 @@ def test_zero_is_sent_again_also_where_the_log_hangs(
 ) -> None:
     monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 0.02)
     gate = threading.Event()
-    monkeypatch.setattr("robowidgets._core.log_once.log.error", lambda *_, **__: gate.wait(120))
+    monkeypatch.setattr("robowidgets.runtime.log_once.log.error", lambda *_, **__: gate.wait(120))
     drive(watchdog, FORWARD)
     sink.error = OSError("the wire is cut")
     watchdog.stop()

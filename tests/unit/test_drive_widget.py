@@ -16,12 +16,12 @@ import pytest
 import traitlets
 
 from robowidgets import DriveWidget, Speed
-from robowidgets._core.pacer import Pacer
 from robowidgets.driving import command_watchdog, driving_widget
 from robowidgets.driving.command_watchdog import HOLD, PROGRAM, CommandWatchdog, Velocity
 from robowidgets.driving.driving_widget import ALLOW_LIFETIME
 from robowidgets.driving.press import PressLease, Tokens
 from robowidgets.feeds import Driving, Feed, FeedError
+from robowidgets.widget.pacer import Pacer
 
 from .clocks import ManualClock
 from .feeds.scripted import CMD_VEL, SCAN, Scripted
@@ -647,7 +647,7 @@ class TestToThePage:
         assert all(after - before >= soon for before, after in pairwise(times[1:]))
 
     def test_a_message_that_could_not_be_sent_is_sent_again(self, other: Pad, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("robowidgets._core.pacer.FIRST_PAUSE", 0.02)
+        monkeypatch.setattr("robowidgets.widget.pacer.FIRST_PAUSE", 0.02)
         page = Page(other)
         send, fails = page.send, [True]
 

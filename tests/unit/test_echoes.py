@@ -13,8 +13,8 @@ from traitlets import TraitError
 
 import robowidgets
 from robowidgets import LaserWidget, Scan, Validity
-from robowidgets._widget_choice import choose_widgets
 from robowidgets.kinds import load
+from robowidgets.kinds.choice import choose_widgets
 from robowidgets.messages import to_scan
 
 from .forms import FORMS

@@ -26,15 +26,15 @@ from robowidgets import (
     SpeedWidget,
     together,
 )
-from robowidgets._core.freezing import freeze_together
-from robowidgets._layout import OneScreen
-from robowidgets._widget_choice import choose_widgets
 from robowidgets.camera import BesidePictures, PictureView, about_overlay, cones
 from robowidgets.feeds._frame_topics import _wanted
 from robowidgets.feeds._topics import FeedTopic
-from robowidgets.player._image_frames import ImageFrames
+from robowidgets.image.frames import ImageFrames
+from robowidgets.kinds.choice import choose_widgets
 from robowidgets.poses.frame_tree import Poses
 from robowidgets.samples import Image, Pose
+from robowidgets.screen.layout import OneScreen
+from robowidgets.widget.freezing import freeze_together
 
 from .. import camera_drive, map_scene
 from .recordings import recorded

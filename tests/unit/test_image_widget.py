@@ -11,10 +11,10 @@ import pytest
 import traitlets
 
 from robowidgets import ImageWidget, image_widget
-from robowidgets._core import large_frames
-from robowidgets._core.pacer import pacer
-from robowidgets._core.timed_frame import FRAME_HEADER
-from robowidgets.imaging import HEADER
+from robowidgets.image import HEADER
+from robowidgets.widget import large_frames
+from robowidgets.widget.pacer import pacer
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from .pages import Page
 from .waiting import wait_for

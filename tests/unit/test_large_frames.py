@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from robowidgets._core.credit import BUDGET_BYTES, BUDGET_INTERVAL, LATE, LONGEST, Credit
-from robowidgets._core.large_frames import LargeFrameWidget
-from robowidgets._core.pacer import pacer
+from robowidgets.widget.credit import BUDGET_BYTES, BUDGET_INTERVAL, LATE, LONGEST, Credit
+from robowidgets.widget.large_frames import LargeFrameWidget
+from robowidgets.widget.pacer import pacer
 
 from .clocks import ManualClock
 from .pages import Page

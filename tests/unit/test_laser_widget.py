@@ -15,8 +15,8 @@ from traitlets import TraitError
 
 import robowidgets
 from robowidgets import LaserWidget, Scan, Validity
-from robowidgets._core.pacer import pacer
-from robowidgets._core.timed_frame import FRAME_HEADER
+from robowidgets.widget.pacer import pacer
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from .pages import Page
 

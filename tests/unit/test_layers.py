@@ -1,10 +1,10 @@
-"""Each part of robowidgets imports only parts below it, and no modules import each other."""
+"""Shared parts import no room, a room imports one other at most, and nothing imports in a circle."""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
@@ -12,39 +12,42 @@ from pathlib import Path
 import pytest
 
 import robowidgets
-from robowidgets._core.robot_widget import PAGES
 from robowidgets.kinds import KINDS, ON_DEMAND, Kind
+from robowidgets.widget.robot_widget import PAGES
 
 ROOT = Path(robowidgets.__file__).parent
 JS = ROOT / "js"
 
-LAYERS = (
-    "__main__ command",
-    "__init__",
-    "fleet",
-    "recording",
-    "_compare",
-    "player in_rerun export _plot",
-    "feeds",
-    "search doctor",
-    "recordings",
-    "*_widget _widget_choice _layout _together",
-    "behaviors lessons",
-    "driving imaging laser maps message_tree plotting scanogram",
-    "camera kinds poses shapes simulator",
-    "repair",
-    "_core",
-    "messages",
-    "samples",
+SHARED = (
+    *("samples", "messages", "poses", "camera", "shapes", "repair", "files"),
+    *("runtime", "notebook", "widget", "kinds", "recordings", "tracks"),
+    *("behaviors", "driving", "simulator"),
 )
-"""From top to bottom: the modules and folders of the package, ``*`` standing for any beginning of a name."""
+"""Values, the base of widgets, recordings, and what drives robots: they import no room."""
+
+ROOMS = (
+    *("laser", "speed", "touch", "sonar", "image", "cloud", "path", "plot", "message", "events", "wires"),
+    *("scanogram", "machine", "program", "sheet", "drive", "stop", "topics", "player"),
+)
+"""The rooms of one picture each: its widget, and all that only this picture needs. A room imports one other at most."""
+
+ABOVE = ("screen", "export", "feeds", "_plot", "_compare", "recording", "__init__", "__main__")
+"""The parts that put pictures together."""
+
+LEAVES = {
+    "in_rerun": {"screen", "recording"},
+    "lessons": {"__init__", "command"},
+    "fleet": {"__init__", "command"},
+    "command": {"__main__"},
+}
+"""Parts that only these other parts may import."""
 
 DOCUMENTED = frozenset({"messages.dialects"})
 """Public for what they list, though nothing else imports them."""
 
 
 def name_of(path: Path) -> str:
-    """The module in a file, without the name of the package: ``player._frames``, ``feeds`` for its ``__init__``."""
+    """The module in a file, without the name of the package: ``laser.frames``, ``feeds`` for its ``__init__``."""
     parts = path.relative_to(ROOT).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" and len(parts) > 1 else parts)
 
@@ -90,39 +93,61 @@ def known(parts: list[str]) -> str:
     return "__init__"
 
 
-def layer(module: str) -> int:
-    """The number of the layer of a module, 0 on top."""
-    part = module.split(".")[0]
-    for number, names in enumerate(LAYERS):
-        if any(part.endswith(name[1:]) if name.startswith("*") else part == name for name in names.split()):
-            return number
-    pytest.fail(f"robowidgets.{module} belongs to no layer: give it a place in LAYERS")
-
-
 def pairs() -> list[tuple[str, str]]:
     return [(module, other) for module in modules() for other in sorted(imports(module))]
 
 
-def test_each_part_imports_only_from_those_below_it_for_types_too() -> None:
-    assert not [(module, other) for module, other in pairs() if layer(other) < layer(module)]
+@cache
+def parts() -> dict[str, set[str]]:
+    """Each part with the other parts that it imports."""
+    found: dict[str, set[str]] = {part_of(module): set() for module in modules()}
+    for module, other in pairs():
+        found[part_of(module)].add(part_of(other))
+    return {part: others - {part} for part, others in found.items()}
+
+
+def test_each_part_is_shared_or_a_room_or_puts_rooms_together_or_is_a_leaf() -> None:
+    assert sorted(parts()) == sorted((*SHARED, *ROOMS, *ABOVE, *LEAVES))
+
+
+def test_shared_parts_import_shared_parts_alone() -> None:
+    assert {part: others for part in SHARED if (others := parts()[part] - {*SHARED})} == {}
+
+
+def test_a_room_imports_one_other_room_at_most_and_nothing_above() -> None:
+    assert {room: others for room in ROOMS if len(others := parts()[room] & {*ROOMS}) > 1} == {}
+    assert {room: others for room in ROOMS if (others := parts()[room] - {*SHARED, *ROOMS})} == {}
+
+
+def test_leaves_are_imported_by_their_users_alone() -> None:
+    for leaf, users in LEAVES.items():
+        assert {part for part, others in parts().items() if leaf in others} - users == set(), leaf
+
+
+def test_no_parts_import_each_other_in_a_circle() -> None:
+    refuse_circles({part: sorted(others) for part, others in parts().items()})
 
 
 def test_no_modules_import_each_other_in_a_circle_for_types_neither() -> None:
+    refuse_circles({module: sorted(imports(module)) for module in modules()})
+
+
+def refuse_circles(graph: Mapping[str, Sequence[str]]) -> None:
     done: set[str] = set()
     path: list[str] = []
 
-    def visit(module: str) -> None:
-        if module in path:
-            pytest.fail("a circle: " + " -> ".join([*path[path.index(module) :], module]))
-        if module not in done:
-            path.append(module)
-            for other in sorted(imports(module)):
+    def visit(name: str) -> None:
+        if name in path:
+            pytest.fail("a circle: " + " -> ".join([*path[path.index(name) :], name]))
+        if name not in done:
+            path.append(name)
+            for other in graph[name]:
                 visit(other)
             path.pop()
-            done.add(module)
+            done.add(name)
 
-    for module in modules():
-        visit(module)
+    for name in graph:
+        visit(name)
 
 
 def test_reading_recordings_imports_neither_widgets_nor_traits() -> None:
@@ -155,7 +180,8 @@ def packages(module: str) -> set[str]:
 
 
 def part_of(module: str) -> str:
-    return module.split(".")[0]
+    """The part of a module: its folder; of a widget, the room of that name."""
+    return module.split(".")[0].removesuffix("_widget")
 
 
 def is_private(module: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from robowidgets._core.observed import Observed
+from robowidgets.widget.observed import Observed
 
 from .lock_order import Checked, NotedLock, calls, edges, listed, problems_of
 

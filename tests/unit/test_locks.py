@@ -14,9 +14,9 @@ import robowidgets
 ROOT = Path(robowidgets.__file__).parent
 INTERRUPTED = """
 import os, random, signal, threading, time
-from robowidgets._core.coalesced_call import CoalescedCall
-from robowidgets._core.pacer import Pacer
-from robowidgets._core.waiters import Waiters
+from robowidgets.runtime.coalesced_call import CoalescedCall
+from robowidgets.widget.pacer import Pacer
+from robowidgets.runtime.waiters import Waiters
 from robowidgets.behaviors.program import Program
 from robowidgets.behaviors.robot import DrivenRobot
 from robowidgets.behaviors.variables import Variables

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget, MachineWidget, PathWidget, TouchWidget, conditions
-from robowidgets._core import heartbeat
-from robowidgets._core.pacer import INTERVAL
-from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Feed
+from robowidgets.widget import heartbeat
+from robowidgets.widget.pacer import INTERVAL
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from .feeds.scripted import CMD_VEL, SCAN, Scripted, scan
 from .pages import Page

@@ -17,11 +17,11 @@ from rosbags.highlevel import AnyReader
 
 import robowidgets
 from robowidgets import Line, MapGrid, PathWidget, Range, load_map
-from robowidgets.maps.layers import Layers
-from robowidgets.maps.packing import _GRID, pack_grid, pack_layers, unpack_layers
-from robowidgets.maps.placing import EAST_NORTH, Placed
 from robowidgets.messages.map_grid import to_map_grid
 from robowidgets.messages.map_item import to_map_item
+from robowidgets.path.layers import Layers
+from robowidgets.path.packing import _GRID, pack_grid, pack_layers, unpack_layers
+from robowidgets.path.placing import EAST_NORTH, Placed
 from robowidgets.poses.local_plane import LocalPlane
 from robowidgets.poses.transforms import Transform
 from robowidgets.samples import Pose
@@ -693,7 +693,7 @@ class TestWhatIsReadOfARecording:
     def test_a_way_of_very_many_poses_goes_by_evenly_chosen_ones_to_its_end(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("robowidgets.player._map_frames.MOST_POSES", 150)
+        monkeypatch.setattr("robowidgets.path.frames.MOST_POSES", 150)
         poses = [(i / 200, "/pose", scene.plain(stamped("world", i / 10, 0.0, 0.0, i / 200))) for i in range(1200)]
         path = recorded.write(tmp_path / "x", {"/pose": "geometry_msgs/msg/PoseStamped"}, poses)
         ways = []
@@ -711,7 +711,7 @@ class TestWhatIsReadOfARecording:
     def test_transforms_of_a_very_long_drive_are_chosen_so_that_no_publisher_is_left_out(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("robowidgets.player._map_frames.MOST_TRANSFORMS", 1000)
+        monkeypatch.setattr("robowidgets.path.frames.MOST_TRANSFORMS", 1000)
         frames = [("map", "odom"), ("odom", "base_link")]  # in turns
         tf = [(i / 50, "/tf", scene.plain(scene.tf(*frames[i % 2], (i / 100, 0.0, 0.0), i / 50))) for i in range(4000)]
         player = played(recorded.write(tmp_path / "x", {"/tf": scene.TYPES["/tf"]}, tf), "/tf")

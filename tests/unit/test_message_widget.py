@@ -20,7 +20,7 @@ from traitlets import TraitError
 
 import robowidgets
 from robowidgets import MessageWidget, Scan
-from robowidgets.message_tree import MOST_NUMBERS
+from robowidgets.message import MOST_NUMBERS
 
 from .messages_made import Sent, header, made, sent, vector
 from .recordings.test_fields import recordings_in

@@ -16,7 +16,7 @@ import PIL.Image
 import pytest
 
 import robowidgets
-from robowidgets.imaging import HEADER, Form, as_numbers, checked_region, pack, statistics
+from robowidgets.image import HEADER, Form, as_numbers, checked_region, pack, statistics
 from robowidgets.messages import to_image
 from robowidgets.messages.image import layout_of
 from robowidgets.samples import Image

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from robowidgets import feeds, recordings
-from robowidgets._core import in_browser
 from robowidgets.feeds import FeedError
+from robowidgets.notebook import in_browser
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ class Absent:  # as Pyodide says of what it has left out of Python
 
 sys.meta_path.insert(0, Absent())
 import robowidgets
-from robowidgets._core import in_browser
+from robowidgets.notebook import in_browser
 
 in_browser.IN_BROWSER = True
 from robowidgets import conditions
@@ -72,7 +72,7 @@ from robowidgets import conditions
 recording = robowidgets.open(robowidgets.SAMPLE)
 print(len(recording.find(conditions.touched())), recording.problems)
 from pathlib import Path
-from robowidgets.recordings.files import open_source
+from robowidgets.files import open_source
 from robowidgets.repair.write import write
 
 write(open_source(robowidgets.SAMPLE), Path("copy.mcap"))

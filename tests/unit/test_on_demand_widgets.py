@@ -13,12 +13,12 @@ import pytest
 
 import robowidgets
 from robowidgets import kinds
-from robowidgets._core import cells as _cells
-from robowidgets._widget_choice import FEW, choose_widgets
 from robowidgets.feeds import Advert, Feed
-from robowidgets.player.player import Player
+from robowidgets.kinds.choice import FEW, choose_widgets
+from robowidgets.notebook import cells as _cells
 from robowidgets.recording import Recording
 from robowidgets.recordings import UnknownTopicError
+from robowidgets.screen.player import Player
 
 from ..fourth_kind.on_demand import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
 from .feeds.scripted import IMU, ODOM, SCAN, Scripted

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets._core.output_file import checked_output, whole_file
+from robowidgets.runtime.output_file import checked_output, whole_file
 
 KILLED = """
 import os, pathlib, signal, sys
-from robowidgets._core.output_file import whole_file
+from robowidgets.runtime.output_file import whole_file
 with whole_file(pathlib.Path(sys.argv[1])) as file:
     file.write(b"half")
     file.flush()

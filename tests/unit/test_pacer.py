@@ -9,7 +9,7 @@ import weakref
 
 import pytest
 
-from robowidgets._core.pacer import BYTES_PER_SECOND, FIRST_PAUSE, INTERVAL, LONGEST_PAUSE, MESSAGES_PER_SECOND, Pacer
+from robowidgets.widget.pacer import BYTES_PER_SECOND, FIRST_PAUSE, INTERVAL, LONGEST_PAUSE, MESSAGES_PER_SECOND, Pacer
 
 from .senders import MOST_IN_A_SECOND, ByHand, Failing, Restless, Sender, most_in_a_second
 from .waiting import wait_for

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from robowidgets._core.pacer import Pacer
-from robowidgets._core.pacer import pacer as global_pacer
+from robowidgets.widget.pacer import Pacer
+from robowidgets.widget.pacer import pacer as global_pacer
 
 from .senders import MOST_IN_A_SECOND, ByHand, Failing, Gated, Restless, Sender, most_in_a_second
 from .shells import put_in_place
@@ -204,7 +204,7 @@ class TestFlush:
             def __getattr__(self, name: str) -> Any:
                 return getattr(self._turn, name)
 
-        monkeypatch.setattr("robowidgets._core.pacer.PATIENCE", 0.01)
+        monkeypatch.setattr("robowidgets.widget.pacer.PATIENCE", 0.01)
         slow, sender = Gated(), Sender()
         pacer.mark(slow)
         assert slow.begun.wait(120)

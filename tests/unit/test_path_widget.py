@@ -247,7 +247,7 @@ def path_at(seconds: float) -> tuple[float, float]:
 def test_a_path_of_very_many_poses_goes_by_evenly_chosen_ones_from_start_to_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("robowidgets.player._frames.MOST_POSES", 100)
+    monkeypatch.setattr("robowidgets.path.frames.MOST_POSES", 100)
     monkeypatch.setattr("robowidgets.recordings.columns._store.BATCH_BYTES", 100_000)
     with open(SAMPLE) as recording:
         player = recording.show("/odom")

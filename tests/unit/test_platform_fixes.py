@@ -26,13 +26,8 @@ from tornado.testing import bind_unused_port
 from tornado.web import Application
 from tornado.websocket import WebSocketHandler, websocket_connect
 
-from robowidgets._core import platform_fixes
-from robowidgets._core.platform_fixes import (
-    let_threads_print,
-    message_padding,
-    route_by_message,
-    skip_large_messages,
-)
+from robowidgets.runtime import platform_fixes
+from robowidgets.runtime.platform_fixes import let_threads_print, message_padding, route_by_message, skip_large_messages
 
 from .shells import put_in_place
 from .upstream import GOES_WRONG, GOES_WRONG_SLOWLY
@@ -90,7 +85,7 @@ EVERY_FIX = """
 import asyncio, json, signal, socket, sys
 from types import SimpleNamespace
 import IPython
-from robowidgets._core import platform_fixes as fixes
+from robowidgets.runtime import platform_fixes as fixes
 from IPython.core.interactiveshell import InteractiveShell
 from rosbags.rosbag1.reader import decompressors
 

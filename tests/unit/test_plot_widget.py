@@ -15,10 +15,10 @@ import traitlets
 
 import robowidgets
 from robowidgets import PlotWidget
-from robowidgets.plotting import line as lines
-from robowidgets.plotting._thin import ThinRows, thinned
-from robowidgets.plotting.frame import pack
-from robowidgets.plotting.line import GrowingLine, slope
+from robowidgets.plot import line as lines
+from robowidgets.plot._thin import ThinRows, thinned
+from robowidgets.plot.frame import pack
+from robowidgets.plot.line import GrowingLine, slope
 from robowidgets.recordings import RecordingError
 
 from .recordings import recorded

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import pytest
 
 from robowidgets import LaserWidget, ScanogramWidget
-from robowidgets._core import png as _png
+from robowidgets.widget import png as _png
 
 T = TypeVar("T")
 Drawn = LaserWidget | ScanogramWidget

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget
-from robowidgets._core.policies import ANSWER, CONDITION, FUNCTION, STEP
 from robowidgets.feeds import Feed, FeedError
+from robowidgets.runtime.policies import ANSWER, CONDITION, FUNCTION, STEP
 
 from .feeds.scripted import CMD_VEL, SCAN, Scripted, scan
 from .waiting import threads_named, wait_for

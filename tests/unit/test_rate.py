@@ -2,7 +2,7 @@ from math import isnan, nan
 
 import pytest
 
-from robowidgets._core.rate import RateMeter
+from robowidgets.widget.rate import RateMeter
 
 
 def rate(*times: float, asked_after: int = 1) -> float:

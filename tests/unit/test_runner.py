@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from robowidgets._core.clock import Threads
-from robowidgets._core.policies import Policy
-from robowidgets._core.runner import LINGER, Call, Outcome, Runner
-from robowidgets._core.user_threads import UserThread, is_abandoned
+from robowidgets.runtime.clock import Threads
+from robowidgets.runtime.policies import Policy
+from robowidgets.runtime.runner import LINGER, Call, Outcome, Runner
+from robowidgets.runtime.user_threads import UserThread, is_abandoned
 
 from .clocks import ManualClock
 from .waiting import wait_for

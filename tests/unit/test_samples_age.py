@@ -11,9 +11,9 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, Range, Scan, Speed, SpeedWidget, Touch
-from robowidgets._core import newest_sample
 from robowidgets.samples import age
 from robowidgets.samples import scan as scan_module
+from robowidgets.widget import newest_sample
 
 from .waiting import Clock
 

@@ -14,8 +14,8 @@ import pytest
 
 import robowidgets
 from robowidgets import Arc, Arrow, LaserWidget, Line, Points, Polygon, Text
-from robowidgets._core import judge
-from robowidgets._core.pacer import INTERVAL, pacer
+from robowidgets.widget import judge
+from robowidgets.widget.pacer import INTERVAL, pacer
 
 from .pages import Page
 from .waiting import wait_for

@@ -11,7 +11,6 @@ import pytest
 
 import robowidgets
 from robowidgets import SonarWidget, feeds
-from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive, simulate
 from robowidgets.feeds import Advert, Feed
 from robowidgets.poses.mounts import mounts_of
@@ -19,6 +18,7 @@ from robowidgets.poses.transforms import Transform
 from robowidgets.recording import Recording
 from robowidgets.samples import Ranges
 from robowidgets.simulator import Robot, World
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from .feeds.scripted import SCAN, Scripted
 from .recordings import recorded

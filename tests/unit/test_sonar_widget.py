@@ -12,9 +12,9 @@ import pytest
 from traitlets import TraitError
 
 from robowidgets import LaserWidget, Range, Ranges, SonarWidget
-from robowidgets._core import newest_sample
 from robowidgets.samples import Pose, age
 from robowidgets.samples.staleness import LIVE
+from robowidgets.widget import newest_sample
 
 from .. import map_scene as scene
 from .forms import FORMS
@@ -179,7 +179,7 @@ class TestUpdate:
     def test_logs_in_a_callback(
         self, sonars: SonarWidget, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
     ) -> None:
-        monkeypatch.setattr("robowidgets._core.robot_widget.called_from_cell", lambda: False)
+        monkeypatch.setattr("robowidgets.widget.robot_widget.called_from_cell", lambda: False)
         with caplog.at_level(logging.ERROR):
             sonars.update("front", "near")
         assert "SonarWidget sonars: a message could not be shown: front: expected metres" in caplog.text

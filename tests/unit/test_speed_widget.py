@@ -16,9 +16,9 @@ from rosbags.highlevel import AnyReader
 from traitlets import TraitError
 
 from robowidgets import Speed
-from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.samples import AXES
 from robowidgets.speed_widget import SpeedWidget
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from .. import vectors
 from .forms import FORMS

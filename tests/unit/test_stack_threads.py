@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from robowidgets._core.in_browser import from_page, is_users, repair_comm, to_page
+from robowidgets.notebook.in_browser import from_page, is_users, repair_comm, to_page
 
 from .. import stack_cases
 

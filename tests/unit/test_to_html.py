@@ -18,15 +18,15 @@ import numpy as np
 import pytest
 
 import robowidgets
-from robowidgets._core import output_file
-from robowidgets._core.timed_frame import FRAME_HEADER, TimedFrame
 from robowidgets.export import html
 from robowidgets.export.segments import _pack_column, segment
-from robowidgets.player import _to_html
+from robowidgets.files import open_source
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.recordings.files import open_source
 from robowidgets.repair import RecordingError, Source
 from robowidgets.repair.write import write
+from robowidgets.runtime import output_file
+from robowidgets.screen import _to_html
+from robowidgets.widget.timed_frame import FRAME_HEADER, TimedFrame
 
 from .recordings import robot, sweeps
 

@@ -15,9 +15,9 @@ from comm.base_comm import BaseComm
 from traitlets import TraitError
 
 from robowidgets import Touch, TouchMode, TouchState, TouchWidget
-from robowidgets._core.pacer import pacer
-from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.samples.touch_tracker import TouchTracker
+from robowidgets.widget.pacer import pacer
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 FREE, TOUCHED, UNKNOWN = TouchState.FREE, TouchState.TOUCHED, TouchState.UNKNOWN
 S = 1_000_000_000

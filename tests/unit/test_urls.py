@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robowidgets import feeds
-from robowidgets._core.urls import redacted, without_secrets
+from robowidgets.runtime.urls import redacted, without_secrets
 
 SECRET = "hunter2SECRET"
 

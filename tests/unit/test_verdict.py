@@ -14,9 +14,9 @@ import pytest
 import robowidgets
 from robowidgets import Scan, Speed, Touch, TouchMode, conditions
 from robowidgets.kinds import sample_names
+from robowidgets.recordings.search.base import condition
+from robowidgets.recordings.search.instant import NoSampleYetError
 from robowidgets.samples.verdict import Verdict, fact, judged
-from robowidgets.search.base import condition
-from robowidgets.search.instant import NoSampleYetError
 
 NAN, INF = float("nan"), float("inf")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import Any
 
-from robowidgets._core.waiters import LOOK, Waiters
+from robowidgets.runtime.waiters import LOOK, Waiters
 
 from .clocks import ManualClock
 

@@ -17,9 +17,9 @@ import pytest
 
 import robowidgets
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget, conditions
-from robowidgets._core import judge
-from robowidgets._core.timed_frame import FRAME_HEADER
-from robowidgets._core.watch import MOST_RUNS, _runs
+from robowidgets.widget import judge
+from robowidgets.widget.timed_frame import FRAME_HEADER
+from robowidgets.widget.watch import MOST_RUNS, _runs
 
 from .pages import Page
 from .waiting import wait_for

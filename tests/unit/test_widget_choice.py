@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from robowidgets import kinds
-from robowidgets._widget_choice import TopicSelection, choose_instead, choose_widgets
 from robowidgets.feeds._topics import FeedTopic
 from robowidgets.kinds import KINDS, Role, is_command
+from robowidgets.kinds.choice import TopicSelection, choose_instead, choose_widgets
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import shape_of
 from robowidgets.messages.fields import get

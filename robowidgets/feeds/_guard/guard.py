@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from ..._core.import_path import import_path
+from ...runtime.import_path import import_path
 from ..middleware import Outlet
 from .link import ENDED, GuardLink
 from .mark import SERVER_ENDED

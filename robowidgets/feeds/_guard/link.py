@@ -15,10 +15,10 @@ from functools import partial
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 from weakref import WeakSet
 
-from ..._core.clock import RealClock
-from ..._core.log_once import call_in_thread
-from ..._core.observed import Observed
 from ...driving.command_watchdog import ZERO, Velocity
+from ...runtime.clock import RealClock
+from ...runtime.log_once import call_in_thread
+from ...widget.observed import Observed
 from ..middleware import Advert, FeedError, NotConnectedYetError
 from .frames import FROM_GUARD, DamagedError, Unpacker, packed
 

@@ -18,8 +18,8 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
-from ..._core.clock import Clock, RealClock
 from ...driving.command_watchdog import HOLD, CommandWatchdog, Request, Velocity
+from ...runtime.clock import Clock, RealClock
 from .._ros2_common import ALONE
 from .._threaded import ThreadedMiddleware
 from .._twist import TwistPublisher

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..._core.text import listed, often
+from ...runtime.text import listed, often
 from ...samples.staleness import CLOCK_JUMP, usual_step
 
 _STILL_SHARE = 0.5

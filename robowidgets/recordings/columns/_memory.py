@@ -9,8 +9,8 @@ from operator import index
 from threading import Lock
 from typing import Any
 
-from ..._core.text import megabytes
 from ...repair import RecordingError
+from ...runtime.text import megabytes
 
 DEFAULT = 1 << 30
 

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..._core.progress import Progress
 from ...messages.channel import Channel
+from ...notebook.progress import Progress
 from ...repair import Message, RecordingError, Source
 from ...samples.checks import frozen
 from ._decoders import Decoder

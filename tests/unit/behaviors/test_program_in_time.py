@@ -13,15 +13,15 @@ from typing import Any
 
 import pytest
 
-from robowidgets._core.clock import Threads
-from robowidgets._core.policies import NO_RETURN, STEP
-from robowidgets._core.user_threads import UserThread
 from robowidgets.behaviors import Drive
 from robowidgets.behaviors.program import Program
 from robowidgets.behaviors.robot import DrivenRobot
 from robowidgets.behaviors.variables import Variables
 from robowidgets.behaviors.version import Version
 from robowidgets.driving.command_watchdog import CommandWatchdog, RefusedError, Velocity
+from robowidgets.runtime.clock import Threads
+from robowidgets.runtime.policies import NO_RETURN, STEP
+from robowidgets.runtime.user_threads import UserThread
 from robowidgets.samples.staleness import STEP_SILENCE
 
 from ..clocks import ManualClock

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from robowidgets._core.clock import Clock, scheduler
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import RETRY, SETTLE, RefusedError, Velocity
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.feeds._guard.link import GuardLink
 from robowidgets.feeds.middleware import NotConnectedYetError
+from robowidgets.runtime.clock import Clock, scheduler
 
 from ..clocks import ManualClock
 from ..test_drive_widget import Pad

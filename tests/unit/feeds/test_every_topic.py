@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from robowidgets import MessageWidget, PlotWidget, feeds
-from robowidgets._core.sample_widget import SampleWidget
-from robowidgets._widget_choice import choose_widgets
 from robowidgets.feeds import Feed
 from robowidgets.feeds._topics import decided
+from robowidgets.kinds.choice import choose_widgets
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import decoder_of, definition_of
 from robowidgets.messages.encoding import encode
+from robowidgets.widget.sample_widget import SampleWidget
 
 from ..recordings.first_messages import Sent, by_type, first_messages
 from ..recordings.test_fields import bits

@@ -399,9 +399,9 @@ def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_drop
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     cell = ["feed", "run 1"]
-    for module in ("_core.cells", "feeds._callbacks", "feeds._connection"):
+    for module in ("notebook.cells", "feeds._callbacks", "feeds._connection"):
         monkeypatch.setattr(f"robowidgets.{module}.running_cell", lambda: tuple(cell))
-    monkeypatch.setattr("robowidgets._core.cells._made", {})
+    monkeypatch.setattr("robowidgets.notebook.cells._made", {})
     first = Feed(Scripted(SCAN))
     first.connect("/scan", in_notebook(lambda _: None, "of_the_same_cell"))
     cell[:] = "behavior", "run 2"
@@ -437,7 +437,7 @@ class TestScans:
     def clock(self, monkeypatch: pytest.MonkeyPatch) -> Clock:
         """The time at which scans come, and by which they grow old. Those who wait for none wait in real time."""
         made = Clock()
-        for module in ("_core.newest_sample", "samples.age"):
+        for module in ("widget.newest_sample", "samples.age"):
             monkeypatch.setattr(f"robowidgets.{module}.time", made)
         monkeypatch.setattr("robowidgets.feeds._scan_iterator.FIRST_TIMEOUT", 240.0)
         return made
@@ -482,7 +482,7 @@ class TestScans:
         self, opened: Opened, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, how: str
     ) -> None:
         monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
-        monkeypatch.setattr("robowidgets._core.robot_widget.PATIENCE", 0.02)
+        monkeypatch.setattr("robowidgets.widget.robot_widget.PATIENCE", 0.02)
         feed, script = opened(SCAN, ODOM)
         laser, got = LaserWidget(), []
         feed.connect("/scna", laser)

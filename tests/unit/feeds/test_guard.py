@@ -20,7 +20,6 @@ from typing import Any
 import pytest
 
 from robowidgets import DriveWidget, feeds
-from robowidgets._core.import_path import import_path
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import HOLD, ZERO, Velocity
 from robowidgets.feeds import Driving, FeedError
@@ -29,6 +28,7 @@ from robowidgets.feeds._guard import link
 from robowidgets.feeds._guard.frames import FROM_GUARD, LARGEST, TO_GUARD, DamagedError, Unpacker, packed
 from robowidgets.feeds._guard.process import GRACE, LAST_ZERO, SILENCE, Guarding
 from robowidgets.feeds.middleware import SEND_TIMEOUT
+from robowidgets.runtime.import_path import import_path
 
 from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for

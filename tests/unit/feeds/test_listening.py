@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget, MessageWidget
-from robowidgets._core.clock import Threads
 from robowidgets.feeds import Advert, Feed
 from robowidgets.feeds._listening import PROBE_PAUSE_S, PROBE_TIMEOUT_S, PROBED_RATE_HZ, UPDATE_PERIOD_S, Listening
 from robowidgets.feeds._subscription import RARE, SOON
 from robowidgets.feeds._wires import FeedWires
+from robowidgets.runtime.clock import Threads
 from robowidgets.samples.staleness import LISTED, SEEN_FOR
 from robowidgets.wires_widget import Wire
 
@@ -303,7 +303,7 @@ def test_the_topics_to_look_at_are_asked_for_again_after_an_error(feed: Feed, cl
 def test_messages_that_newer_ones_replaced_count_for_the_rates_of_list_and_card(
     feed: Feed, script: Scripted, page: Looking, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets._core.newest_sample.time", SimpleNamespace(monotonic=clock.now))
+    monkeypatch.setattr("robowidgets.widget.newest_sample.time", SimpleNamespace(monotonic=clock.now))
     card = LaserWidget()
     feed.connect("/scan", card)
     page.look("/scan", "/imu")

@@ -10,7 +10,7 @@ import foxglove
 import pytest
 
 from robowidgets import LaserWidget, PathWidget, Range, SonarWidget, feeds
-from robowidgets.maps.packing import unpack_layers
+from robowidgets.path.packing import unpack_layers
 
 from ... import map_scene as scene
 from ..waiting import wait_for

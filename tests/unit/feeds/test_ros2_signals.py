@@ -117,7 +117,7 @@ def test_an_interrupt_sends_zero_at_once_though_rclpy_handles_signals_or_did_in_
 signal.signal(signal.SIGINT, signal.default_int_handler)
 {INIT}
 {since}
-from robowidgets._core.platform_fixes import call_on_interrupt
+from robowidgets.runtime.platform_fixes import call_on_interrupt
 call_on_interrupt(lambda: print("zero"))
 try:
     signal.raise_signal(signal.SIGINT)

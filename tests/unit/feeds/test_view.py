@@ -11,10 +11,10 @@ import pytest
 from ipywidgets import Box
 
 from robowidgets import LaserWidget, MessageWidget, PathWidget, PlotWidget, Speed, SpeedWidget, TouchWidget, feeds
-from robowidgets._widget_choice import choose_widgets
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._feed_view import FeedView
+from robowidgets.kinds.choice import choose_widgets
 from robowidgets.samples import Pose
 from robowidgets.wires_widget import WiresWidget
 

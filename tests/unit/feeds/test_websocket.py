@@ -15,10 +15,10 @@ from typing import Any
 import pytest
 
 from robowidgets import DriveWidget, feeds
-from robowidgets._core.clock import RealClock
 from robowidgets.feeds import Feed, FeedError, _other_bridge, _websocket
 from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT
+from robowidgets.runtime.clock import RealClock
 
 from ..clocks import ManualClock
 from ..waiting import wait_for

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget, WiresWidget, conditions, feeds
-from robowidgets._core.clock import Threads
-from robowidgets._core.timed_frame import FRAME_HEADER
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._listening import MAX_TOPICS, Listening
 from robowidgets.feeds._wires import FeedWires
 from robowidgets.messages.infrastructure import is_infrastructure
+from robowidgets.runtime.clock import Threads
 from robowidgets.samples.staleness import SEEN_FOR
+from robowidgets.widget.timed_frame import FRAME_HEADER
 from robowidgets.wires_widget import NotebookPart, Wire
 
 from ..clocks import ManualClock

@@ -18,11 +18,11 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets._core.progress import Progress
 from robowidgets.command import main
 from robowidgets.fleet import drives, find, index
 from robowidgets.fleet.hits import Hits
-from robowidgets.search.base import Condition
+from robowidgets.notebook.progress import Progress
+from robowidgets.recordings.search.base import Condition
 
 from .executors import Here
 

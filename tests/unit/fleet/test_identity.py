@@ -12,7 +12,7 @@ import pytest
 
 from robowidgets import Sector, conditions
 from robowidgets.fleet._identity import NotIdentifiedError, identity_of
-from robowidgets.search.base import condition
+from robowidgets.recordings.search.base import condition
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from robowidgets.fleet._live import LiveTable
 from robowidgets.fleet._picture_sender import PictureSender
 from robowidgets.fleet._pictures import LINE, RAYS, WORDS, Thumbnail, pictures
 from robowidgets.fleet._sheet import Sheet
-from robowidgets.search.base import condition
+from robowidgets.recordings.search.base import condition
 from robowidgets.sheet_widget import SheetWidget
 
 from .executors import Here

@@ -11,9 +11,9 @@ from rosbags.rosbag2 import StoragePlugin
 
 import robowidgets
 from robowidgets import conditions
+from robowidgets.files import remote
 from robowidgets.fleet import find
 from robowidgets.fleet._kept import states_of
-from robowidgets.recordings import remote
 from robowidgets.repair import RecordingError
 
 from ..recordings import recorded

@@ -7,9 +7,9 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from robowidgets.files import open_source
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import DecodeError, decoder_of
-from robowidgets.recordings.files import open_source
 from robowidgets.repair import RecordingError
 
 from .test_fields import recordings_in

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets.recordings.files import open_source
+from robowidgets.files import open_source
 from robowidgets.repair import RecordingError, Source
 
 from .written import START_NS, STEP_NS, Message, messages, read, write_bag

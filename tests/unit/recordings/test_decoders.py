@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from robowidgets import Scan, Speed
+from robowidgets.files import open_source
 from robowidgets.kinds import LASER, SPEED, kind_of_shape, kind_of_type, load
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import DecodeError, shape_of
-from robowidgets.recordings.files import open_source
 
 SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import robowidgets
+from robowidgets.files._index import _INDEX_HEAD
+from robowidgets.files._rosbags import open_mcap
 from robowidgets.recordings._sample_reader import silences
-from robowidgets.recordings.files._index import _INDEX_HEAD
-from robowidgets.recordings.files._rosbags import open_mcap
 
 from .clock_back import KINDS, SCAN, SPEED, Message, cut, drive, long_mcap, mcap, step
 

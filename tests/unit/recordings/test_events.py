@@ -14,8 +14,8 @@ from rosbags.typesys import Stores, get_typestore
 import robowidgets
 from robowidgets import EventsWidget, conditions
 from robowidgets.command import main
+from robowidgets.events import frames as _event_frames
 from robowidgets.messages.encoding import encode
-from robowidgets.player import _event_frames
 from robowidgets.recording import Recording
 from robowidgets.recordings import RecordingError, UnknownTopicError
 from robowidgets.samples.event import Level

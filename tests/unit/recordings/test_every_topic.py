@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import robowidgets
-from robowidgets._widget_choice import choose_widgets
 from robowidgets.kinds import load
+from robowidgets.kinds.choice import choose_widgets
 from robowidgets.recording import Recording
 from robowidgets.repair import RecordingError
 

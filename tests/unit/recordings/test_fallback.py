@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator
 
 import pytest
 
+from robowidgets.files._fallback import FallbackSource
 from robowidgets.messages.channel import Channel
-from robowidgets.recordings.files._fallback import FallbackSource
 from robowidgets.repair import Message, RecordingError
 
 SCAN = Channel(7, "/scan", "sensor_msgs/msg/LaserScan", "cdr", "", 5)

@@ -22,11 +22,11 @@ import pytest
 import rosbags.rosbag1.reader
 
 from robowidgets import SAMPLE
+from robowidgets.files import open_source
+from robowidgets.files._fallback import FallbackSource
 from robowidgets.messages.compression import zstd
 from robowidgets.recording import open
 from robowidgets.recordings import RecordingError
-from robowidgets.recordings.files import open_source
-from robowidgets.recordings.files._fallback import FallbackSource
 
 from . import topics
 from .written import START_NS, STEP_NS, Message, messages, write_bag, write_db3, write_indexed_mcap

@@ -18,14 +18,14 @@ from robowidgets.behaviors import Drive
 from robowidgets.behaviors.simulation import ProgramRun
 from robowidgets.kinds import KINDS, LASER
 from robowidgets.recordings import UnknownTopicError
+from robowidgets.recordings.search import _stops, base
+from robowidgets.recordings.search._search import Search
+from robowidgets.recordings.search._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
+from robowidgets.recordings.search.base import FunctionCondition
+from robowidgets.recordings.search.instant import Now
+from robowidgets.recordings.search.spans import Spans
 from robowidgets.recordings.span import Span
 from robowidgets.samples.sector import ALL_ROUND
-from robowidgets.search import _stops, base
-from robowidgets.search._search import Search
-from robowidgets.search._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
-from robowidgets.search.base import FunctionCondition
-from robowidgets.search.instant import Now
-from robowidgets.search.spans import Spans
 
 from ...conftest import ROOT
 from . import hazards, recorded, robot, sweeps

@@ -13,7 +13,7 @@ from robowidgets import conditions
 from robowidgets.command import main
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.columns._fields import UnknownFieldError
-from robowidgets.search.base import Condition
+from robowidgets.recordings.search.base import Condition
 
 from . import recorded
 

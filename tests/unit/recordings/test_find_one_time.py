@@ -11,8 +11,8 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets.search._steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
-from robowidgets.search.instant import together
+from robowidgets.recordings.search._steps import NO, UNKNOWN, YES, combined, inverted, spans, steps
+from robowidgets.recordings.search.instant import together
 
 from . import sweeps
 

@@ -13,9 +13,9 @@ from rosbags.typesys import Stores, get_typestore
 
 import robowidgets
 from robowidgets import ImageWidget
-from robowidgets._core.timed_frame import FRAME_HEADER
-from robowidgets.imaging import HEADER
-from robowidgets.player._image_frames import BYTES_PER_SECOND
+from robowidgets.image import HEADER
+from robowidgets.image.frames import BYTES_PER_SECOND
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 HZ, COUNT = 10, 15
 

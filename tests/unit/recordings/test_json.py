@@ -14,9 +14,9 @@ import pytest
 from mcap.writer import Writer
 
 import robowidgets
+from robowidgets.files import _plain
 from robowidgets.messages import protobuf, to_cloud, to_image
 from robowidgets.messages.json_shape import JsonShape, field_name
-from robowidgets.recordings.files import _plain
 
 START_NS = 1_700_000_000_000_000_000
 STAMP = {"sec": 1_700_000_000, "nsec": 5}

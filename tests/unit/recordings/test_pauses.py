@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from robowidgets.recordings.search._silence import mark_stale
+from robowidgets.recordings.search._steps import NO, UNKNOWN, YES, Steps, steps
 from robowidgets.samples.staleness import RECORDED, usual_step
-from robowidgets.search._silence import mark_stale
-from robowidgets.search._steps import NO, UNKNOWN, YES, Steps, steps
 
 S = 1_000_000_000
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from robowidgets import compare
-from robowidgets.player.player import Player
 from robowidgets.poses.places import Places
 from robowidgets.recording import open
 from robowidgets.recordings import RecordingError
 from robowidgets.recordings.odometry import places_of
 from robowidgets.samples import Pose
+from robowidgets.screen.player import Player
 
 from . import corridor, recorded, sweeps
 from .recorded import START_NS

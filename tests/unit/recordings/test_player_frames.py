@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from robowidgets import SAMPLE, LaserWidget, PathWidget, SpeedWidget, TouchWidget
-from robowidgets._core.timed_frame import FRAME_HEADER, TimedFrame
-from robowidgets.player._frames import NEW, TICK, pack
-from robowidgets.player.player import Player
 from robowidgets.recording import open
+from robowidgets.screen.player import Player
+from robowidgets.touch.frames import TICK
+from robowidgets.tracks import NEW, pack
+from robowidgets.widget.timed_frame import FRAME_HEADER, TimedFrame
 
 from . import robot
 

@@ -9,12 +9,12 @@ from contextlib import contextmanager
 
 import pytest
 
-from robowidgets._core import progress
-from robowidgets._core.clock import Clock, scheduler
-from robowidgets._core.timed_frame import TimedFrame
-from robowidgets.player import _prefetcher as module
-from robowidgets.player._prefetcher import Cursor, Prefetcher
+from robowidgets.notebook import progress
 from robowidgets.recordings import RecordingError
+from robowidgets.runtime.clock import Clock, scheduler
+from robowidgets.screen import _prefetcher as module
+from robowidgets.screen._prefetcher import Cursor, Prefetcher
+from robowidgets.widget.timed_frame import TimedFrame
 
 from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for

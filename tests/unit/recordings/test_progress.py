@@ -11,7 +11,7 @@ from tqdm.notebook import tqdm_notebook
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets._core import progress
+from robowidgets.notebook import progress
 
 from . import robot, sweeps
 
@@ -93,7 +93,7 @@ def test_the_bar_of_a_search_comes_to_its_end(condition: Any, tmp_path: Path, mo
             bars.append(self)
             return self
 
-    monkeypatch.setattr("robowidgets.search.search.Progress", Bar)
+    monkeypatch.setattr("robowidgets.recordings.search.search.Progress", Bar)
     with robowidgets.open(robot.write(tmp_path / "drive")) as recording:
         recording.find(condition)
     (bar,) = bars

@@ -17,7 +17,7 @@ import pytest
 
 import robowidgets
 from robowidgets.command import _notebooks, main
-from robowidgets.recordings import _copies, remote
+from robowidgets.files import _copies, remote
 
 fsspec = pytest.importorskip("fsspec")
 

@@ -8,9 +8,9 @@ import pytest
 
 import robowidgets
 from robowidgets import ScanogramWidget
-from robowidgets.player import scanogram as source
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.samples import Scan
+from robowidgets.scanogram import of_recording as source
 from robowidgets.scanogram._codes import fold
 
 from . import robot, sweeps

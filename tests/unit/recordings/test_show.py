@@ -21,16 +21,17 @@ from comm import get_comm_manager
 from traitlets import TraitError
 
 from robowidgets import LaserWidget, MessageWidget, SpeedWidget, TouchState, TouchWidget
-from robowidgets._core import cells as _cells
-from robowidgets.player import _prefetcher, _touch_marks
-from robowidgets.player._overview import readings_per_second
-from robowidgets.player._prefetcher import segment
-from robowidgets.player._touch_history import TouchHistory
-from robowidgets.player._touch_marks import touch_marks
-from robowidgets.player.player import Player
+from robowidgets.notebook import cells as _cells
 from robowidgets.recording import Recording, open
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.samples.touch_tracker import TouchSensor, TouchTracker
+from robowidgets.scanogram.overview import readings_per_second
+from robowidgets.screen import _prefetcher
+from robowidgets.screen._prefetcher import segment
+from robowidgets.screen.player import Player
+from robowidgets.touch import marks as _touch_marks
+from robowidgets.touch.history import TouchHistory
+from robowidgets.touch.marks import touch_marks
 
 from ..waiting import threads_named, wait_for
 from . import recorded, robot, sweeps, topics
@@ -384,7 +385,7 @@ def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
 def test_the_first_segments_are_in_the_state_of_the_bar(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
     numbers = [held["segment"] for held in player.bar._first]
     assert numbers == list(range(int(player.duration) + 1))
-    monkeypatch.setattr("robowidgets.player.player.HELD_BYTES", 0)
+    monkeypatch.setattr("robowidgets.screen.player.HELD_BYTES", 0)
     (first,) = player._first_segments(0)
     assert first["segment"] == int(player.time)
     _, frames = segment([view.track for view in player.views], 0)
@@ -463,7 +464,7 @@ def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # Else the bad scan is among what a notebook holds.
-    monkeypatch.setattr("robowidgets.player.player.HELD_BYTES", 0)
+    monkeypatch.setattr("robowidgets.screen.player.HELD_BYTES", 0)
     with shown(robot.write(tmp_path / "drive", bad_scan_at=40), scanogram=False) as player:
         told = player.children[0]
         assert (told.value, told.layout.display) == ("", "none")
@@ -489,7 +490,7 @@ class TestATouchHistory:
     def test_is_at_every_time_what_listening_from_the_start_gives(
         self, data: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("robowidgets.player._touch_history._KEPT_EVERY", 20)
+        monkeypatch.setattr("robowidgets.touch.history._KEPT_EVERY", 20)
         with open(data / "good" / "neato_fsm") as recording:
             history = TouchHistory(recording, "/bump")
             start_ns = recording.start_ns or 0
@@ -500,7 +501,7 @@ class TestATouchHistory:
                 assert history.at(time_ns).states(time_ns) == self.expected(recording, time_ns), seconds
 
     def test_does_not_begin_anew_each_time(self, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("robowidgets.player._touch_history._KEPT_EVERY", 20)
+        monkeypatch.setattr("robowidgets.touch.history._KEPT_EVERY", 20)
         with open(data / "good" / "neato_fsm") as recording:
             history = TouchHistory(recording, "/bump")
             start_ns = recording.start_ns or 0
@@ -527,9 +528,9 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
     assert has_one()
     assert not has_one(scanogram=False)
     assert not has_one("/odom")
-    monkeypatch.setattr("robowidgets.player._overview.FEW", 99)
+    monkeypatch.setattr("robowidgets.scanogram.overview.FEW", 99)
     assert has_one()
-    monkeypatch.setattr("robowidgets.player._overview.LONGEST", 0.0)
+    monkeypatch.setattr("robowidgets.scanogram.overview.LONGEST", 0.0)
     assert not has_one()
     assert has_one(scanogram=True)
 
@@ -564,13 +565,13 @@ def test_a_scanogram_that_takes_long_at_the_measured_rate_is_left_out_and_a_line
 ) -> None:
     empty = [(0.0, sweeps.scan(sweeps.START_NS, []))]
     path = sweeps.write(tmp_path / "long", empty + sweeps.numbered(1200, rays=40)[1:])
-    monkeypatch.setattr("robowidgets.player._overview.FEW", 47_999)
-    monkeypatch.setattr("robowidgets.player._overview.readings_per_second", lambda *_: 1_000.0)
+    monkeypatch.setattr("robowidgets.scanogram.overview.FEW", 47_999)
+    monkeypatch.setattr("robowidgets.scanogram.overview.readings_per_second", lambda *_: 1_000.0)
     words = "no scanogram: 1,200 scans of 40 rays take about 48 s; recording.show(scanogram=True) makes it"
     for wanted, there, told in ((None, False, words), (False, False, ""), (True, True, "")):
         with shown(path, scanogram=wanted) as player:
             assert (player.scanogram is not None, player.bar._note) == (there, told)
-    monkeypatch.setattr("robowidgets.player._overview.readings_per_second", lambda *_: 4_800.0)
+    monkeypatch.setattr("robowidgets.scanogram.overview.readings_per_second", lambda *_: 4_800.0)
     with shown(path) as player:
         assert (player.scanogram is not None, player.bar._note) == (True, "")
 
@@ -580,7 +581,7 @@ def test_the_rate_of_a_scanogram_is_measured_on_its_first_scans(
 ) -> None:
     path = sweeps.write(tmp_path / "long", sweeps.numbered(2000, rays=400))
     clock = count(step=0.11)
-    monkeypatch.setattr("robowidgets.player._overview.time", SimpleNamespace(perf_counter=lambda: next(clock)))
+    monkeypatch.setattr("robowidgets.scanogram.overview.time", SimpleNamespace(perf_counter=lambda: next(clock)))
     with open(path) as recording:
         first, second = islice(recording.scans("/scan").chunks(), 2)
         assert readings_per_second(recording, "/scan") == (first.ranges.size + second.ranges.size) / 0.22

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import robowidgets
+from robowidgets.files import open_source
 from robowidgets.messages.compression import zstd
 from robowidgets.recordings.columns import _store
-from robowidgets.recordings.files import open_source
 
 from . import sweeps
 from .written import messages, write_bag, write_db3, write_indexed_mcap

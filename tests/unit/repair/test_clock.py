@@ -16,14 +16,14 @@ from rosbags.rosbag2.storage_mcap import McapReader
 
 import robowidgets
 from robowidgets import LaserWidget, Recording
-from robowidgets._core.timed_frame import FRAME_HEADER
-from robowidgets._widget_choice import WidgetChoice
+from robowidgets.files import _index
 from robowidgets.kinds import LASER
+from robowidgets.kinds.choice import WidgetChoice
 from robowidgets.messages.compression import zstd
-from robowidgets.player._frames import SampleFrames
-from robowidgets.player._prefetcher import segment
-from robowidgets.recordings.files import _index
 from robowidgets.repair import LEAP_NS, Arrivals, Source, has_clock_step, open_repaired
+from robowidgets.screen._prefetcher import segment
+from robowidgets.tracks import SampleFrames
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from ..recordings.clock_back import KINDS, SCAN, SPEED, START_NS, Message, cut, db3, drive, long_mcap, mcap, step
 from ..recordings.written import MCAP_END, MCAP_MAGIC, read, record, string

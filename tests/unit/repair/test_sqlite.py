@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from robowidgets.recordings.files._rosbags import open_sqlite
+from robowidgets.files._rosbags import open_sqlite
 from robowidgets.repair import RecordingError, open_repaired
 
 from ..recordings.written import START_NS, STEP_NS, Message, messages, read, write_db3

@@ -19,10 +19,10 @@ from mcap.reader import make_reader
 
 import robowidgets
 from robowidgets.command import main
+from robowidgets.files import open_source
+from robowidgets.files._fallback import FallbackSource
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.compression import zstd
-from robowidgets.recordings.files import open_source
-from robowidgets.recordings.files._fallback import FallbackSource
 from robowidgets.repair import Message, RecordingError, open_repaired
 from robowidgets.repair.write import write
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from robowidgets._core import newest_sample
+from robowidgets.widget import newest_sample
 
 from ..pages import Page
 from ..waiting import Clock

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import traitlets
 
-from robowidgets._core.robot_widget import RobotWidget
-from robowidgets._core.timed_frame import FRAME_HEADER
+from robowidgets.widget.robot_widget import RobotWidget
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import re
 import pytest
 import traitlets
 
-from robowidgets._core.pacer import pacer
+from robowidgets.widget.pacer import pacer
 
 from ..pages import Page
 from .number_widget import NumberWidget, number_in

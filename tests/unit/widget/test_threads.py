@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from robowidgets._core.pacer import pacer
+from robowidgets.widget.pacer import pacer
 
 from ..pages import Page
 from ..waiting import wait_for

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from robowidgets import LaserWidget, Scan, TouchWidget
-from robowidgets._core import sent_frames
-from robowidgets._core.pacer import pacer
-from robowidgets._core.sent_frames import SentFrames
-from robowidgets._core.timed_frame import TimedFrame
+from robowidgets.widget import sent_frames
+from robowidgets.widget.pacer import pacer
+from robowidgets.widget.sent_frames import SentFrames
+from robowidgets.widget.timed_frame import TimedFrame
 
 
 def parts(path: Path, kind: str) -> list[bytes]:

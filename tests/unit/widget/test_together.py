@@ -8,8 +8,8 @@ import pytest
 
 from robowidgets import LaserWidget, ScanogramWidget, SpeedWidget, TouchWidget, feeds, together
 from robowidgets import open as open_recording
-from robowidgets._core.freezing import freeze_together
-from robowidgets._core.timed_frame import FRAME_HEADER
+from robowidgets.widget.freezing import freeze_together
+from robowidgets.widget.timed_frame import FRAME_HEADER
 
 
 def test_what_a_program_freezes_freezes_all_at_what_they_show() -> None:

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, Touch, TouchMode, TouchWidget
-from robowidgets._core.waiters import Waiters
 from robowidgets.feeds import Feed
+from robowidgets.runtime.waiters import Waiters
 
 from ..feeds.scripted import ODOM, SCAN, Scripted, scan, twist
 from ..waiting import Clock, wait_for

@@ -18,12 +18,12 @@ from IPython.core.formatters import DisplayFormatter
 from ipywidgets.embed import dependency_state
 
 from robowidgets import LaserWidget
-from robowidgets._core import base_widget, front_end, paced_widget
-from robowidgets._core.front_end import bundle
-from robowidgets._core.log_once import MOST_LOGGED
-from robowidgets._core.paced_widget import RESYNC_S, RESYNC_TRAITS
-from robowidgets._core.pacer import pacer
-from robowidgets._core.robot_widget import RobotWidget
+from robowidgets.runtime.log_once import MOST_LOGGED
+from robowidgets.widget import base_widget, front_end, paced_widget
+from robowidgets.widget.front_end import bundle
+from robowidgets.widget.paced_widget import RESYNC_S, RESYNC_TRAITS
+from robowidgets.widget.pacer import pacer
+from robowidgets.widget.robot_widget import RobotWidget
 
 from ..pages import Page
 from ..waiting import Clock, wait_for

@@ -1,1 +1,0 @@
-"""Parts shared by widgets and feeds: the base of widgets, sending to the page, notebook cells, user functions."""

@@ -1,0 +1,1 @@
+"""The events widget's room."""

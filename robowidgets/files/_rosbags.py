@@ -1,0 +1,169 @@
+"""Complete files and folders of messages, read by rosbags.
+
+Only this folder reads files with rosbags.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+from weakref import finalize
+
+from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
+from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag2.storage_mcap import McapReader
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
+
+from ..messages.channel import Channel, definition_text, full_type
+from ..messages.compression import plain
+from ..repair import Arrivals, Message, RecordingError, is_cut
+from ..runtime.platform_fixes import bound_decompression
+from ._index import arrivals_in_bag, arrivals_in_database, arrivals_in_mcap, span_in_mcap
+
+_NEVER = 2**63 - 1
+_SCHEMALESS = "__schemaless__"
+"""The type that rosbags gives a channel whose schema it has not read."""
+
+
+bound_decompression()
+
+
+def open_bag(path: Path) -> RosbagsSource:
+    """Open a ``.bag`` of ROS 1. Raises whatever rosbags raises for a file that it cannot read."""
+    return RosbagsSource(BagReader(path), arrivals_in_bag)
+
+
+def open_mcap(path: Path) -> RosbagsSource:
+    """Open a ``.mcap`` with an index. Raises as `open_bag`, and RecordingError if index or summary is not complete."""
+    reader = McapReader(path)
+    source = RosbagsSource(reader, arrivals_in_mcap, span_in_mcap)
+    if (reader.chunks or reader.metadata.message_count) and not _is_summary_complete(reader):
+        source.close()
+        raise RecordingError(f"{path}: rosbags leaves out what the summary of the file does not repeat")
+    return source
+
+
+def _is_summary_complete(reader: McapReader) -> bool:
+    """Return True if the index and the summary contain each channel with its schema, and each message."""
+    counts: Counter[int] = Counter()
+    for chunk in reader.chunks:
+        counts.update(chunk.channel_count)
+    named = {connection.id: connection for connection in reader.connections}
+    is_empty = not any(chunk.message_end_time for chunk in reader.chunks)
+    return (
+        sum(counts.values()) == reader.metadata.message_count
+        and (reader.metadata.message_count > 0 or is_empty)
+        and all(named[number].msgcount == count if number in named else not count for number, count in counts.items())
+        and all(connection.msgtype != _SCHEMALESS for connection in reader.connections)
+    )
+
+
+def open_sqlite(path: Path) -> RosbagsSource:
+    """Open a ``.db3``. Raises as `open_bag`, and RecordingError if rosbags would silently leave something out."""
+    # rosbags makes a URI of the path, in which these characters have another meaning: it might open another file.
+    if set("%?#") & set(str(path)):
+        raise RecordingError(f"{path}: rosbags opens no database whose path contains %, ? or #")
+    if is_cut(path):
+        raise RecordingError(f"{path}: SQLite reads zeros at the end of a database that was cut off")
+    reader = Sqlite3Reader(path)
+    source = RosbagsSource(reader, arrivals_in_database)
+    if reader.metadata.message_count > sum(channel.count for channel in source.channels):
+        source.close()
+        raise RecordingError(f"{path}: rosbags leaves out messages of topics that the database does not name")
+    return source
+
+
+class RosbagsSource:
+    """A `Source` that rosbags reads.
+
+    Args:
+        reader: not yet open.
+        arrivals_in: returns the order of arrival of the messages in the open reader, of all or of some, by its index.
+        span_in: returns `Source.span_ns` in the open reader for the id of a channel, or None to use the arrivals, which
+            then contain all messages.
+    """
+
+    problems: tuple[str, ...] = ()
+
+    def __init__(
+        self,
+        reader: Any,
+        arrivals_in: Callable[[Any], Arrivals],
+        span_in: Callable[[Any, int], tuple[int, int] | None] | None = None,
+    ) -> None:
+        reader.open()
+        self._close = finalize(
+            self, reader.close
+        )  # also if the source is never closed: Python would warn about the open file
+        self._reader = reader
+        self._arrivals_in, self._span_in = arrivals_in, span_in
+        self._connections = {c.id: c for c in reader.connections}
+        self.channels = tuple(_channel(c) for c in reader.connections)
+        about = reader if isinstance(reader, BagReader) else reader.metadata
+        empty = about.start_time == _NEVER or not any(c.count for c in self.channels)
+        self.start_ns: int | None = None if empty else about.start_time
+        self.end_ns: int | None = None if empty else about.end_time - 1
+
+    def messages(
+        self, channels: Collection[Channel], start_ns: int | None = None, stop_ns: int | None = None
+    ) -> Iterator[Message]:
+        """See `Source`."""
+        asked = {channel.id: channel for channel in channels}
+        if asked:
+            connections = [self._connections[i] for i in asked]
+            read = self._messages_in_bag if isinstance(self._reader, BagReader) else self._reader.messages
+            for connection, time_ns, raw in read(connections, start_ns, stop_ns):
+                yield asked[connection.id], time_ns, plain(raw)
+
+    @cached_property
+    def arrivals(self) -> Arrivals:
+        """The order of arrival, of all messages or of some messages of each part."""
+        return self._arrivals_in(self._reader)
+
+    def span_ns(self, channel: Channel) -> tuple[int, int] | None:
+        """See `Source`."""
+        return self._span_in(self._reader, channel.id) if self._span_in else self.arrivals.span_ns(channel.id)
+
+    def close(self) -> None:
+        """See `Source`."""
+        self._close()
+
+    def _messages_in_bag(
+        self, connections: list[Connection], start_ns: int | None, stop_ns: int | None
+    ) -> Iterator[tuple[Connection, int, bytes]]:
+        """Yield messages like `BagReader.messages`, which would search the index from its beginning to the start."""
+        reader, whole, part = self._reader, self._reader.indexes, {}
+        start, stop = (start_ns or 0,), (_NEVER if stop_ns is None else stop_ns,)
+        for connection in connections:
+            index = whole[connection.id]
+            part[connection.id] = index[bisect_left(index, start) : bisect_left(index, stop)]
+        found = reader.messages(connections, start_ns, stop_ns)
+        try:
+            reader.indexes = part
+            first = next(found, None)  # takes the index
+        finally:
+            reader.indexes = whole
+        if first:
+            yield first
+            yield from found
+
+
+def _channel(connection: Connection) -> Channel:
+    return Channel(
+        id=connection.id,
+        topic=connection.topic,
+        type=full_type(connection.msgtype),
+        encoding=getattr(connection.ext, "serialization_format", "ros1"),
+        definition=_text(connection.msgdef, connection.msgtype),
+        count=connection.msgcount,
+        callers=(caller,) if (caller := getattr(connection.ext, "callerid", None)) else (),
+    )
+
+
+def _text(definition: MessageDefinition, type_name: str) -> str:
+    language = "ros2idl" if definition.format is MessageDefinitionFormat.IDL else "ros2msg"
+    return definition_text(language, type_name, definition.data)

@@ -1,0 +1,638 @@
+"""One row for each kind of sensor: its messages, its sample, its columns and its widget.
+
+Recordings, players, searches, feeds, Rerun and the command find in these rows what they can read and show. A row refers
+to layers above it by name, as entry points do: ``"module:name"``. So reading a recording imports no widget.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from math import nan
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..messages import to_range, to_scan, to_speed, to_touch
+from ..messages.cloud import CLOUD_TYPES
+from ..messages.event import SAID_TYPES
+from ..messages.fields import MessageShape, unwrap
+from ..messages.image import IMAGE_TYPES
+from ..messages.standard import CAMERA_INFO, ContactMessages, ToMessage, range_message, scan_message, speed_message
+from ..messages.touch import TOUCH_TYPES
+from ..samples import Cloud, Image, Pose, Problem, Range, Ranges, Scan, Speed, Touch
+from ..samples.touch_tracker import TouchesBetween
+
+_SAMPLE_FRAMES = "robowidgets.tracks:SampleFrames"
+_MESSAGE_FRAMES = "robowidgets.tracks:MessageFrames"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Role:
+    """The role of a topic in a widget: the topic that it shows, or another topic that goes with it.
+
+    Args:
+        name: the name of its samples, which is their keyword for the frames of a player. With `combine`, the name in
+            programs of the sample of all topics.
+        take: the method of the widget that takes a message. A method other than ``update`` has a title of its own: the
+            widget takes ``command_title`` for the method ``command``.
+        kind: the kind of its topics, if it differs from the kind of the row.
+        commanded: True if its samples are commanded, not measured.
+        required: True if the widget needs such a topic.
+        combine: for the first role of a widget that all topics of a namespace share. A function that makes one sample
+            of the newest ones. It gets the samples and the seconds at which they came, both by the names of their
+            sensors. The method takes the name of the sensor before the message. If None, each topic has a widget of its
+            own.
+        standalone_options: for roles other than the first. Keywords of a widget that shows such a topic by ``update``
+            if it goes with no topic in the first role. If None, such a topic gets no widget.
+    """
+
+    name: str
+    take: str = "update"
+    kind: str = ""
+    commanded: bool = False
+    required: bool = False
+    combine: Callable[[Mapping[str, Any], Mapping[str, float]], Any] | None = None
+    standalone_options: Mapping[str, Any] | None = None
+
+
+class Gathered(Protocol):
+    """Collects the messages for a step of a program, if the newest message is not enough."""
+
+    def add(self, sample: Any) -> None:
+        """Add the next sample."""
+
+    def take(self) -> Any:
+        """Return the value for a step."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TopicWidget:
+    """A widget for the topics of some message types.
+
+    Args:
+        name: the name of the widget and its bundle, such as ``"path"``.
+        types: message types of its topics, in the form of recordings: ``sensor_msgs/msg/LaserScan``.
+        widget: the widget class; it takes ``title`` and has ``update(sample)``.
+        nothing: the sample that a player shows before the first of a topic.
+        frames: the frames of a topic for the player of a recording, a `robowidgets.tracks.Track`.
+        roles: the roles of its topics. ``update`` takes messages of topics in the first role. A topic in another role
+            goes with the topic in the first role that shares most of its namespace.
+        options: keywords of the widget for topics, which replace the defaults of the widget.
+        goes_stale: True if a sample is no longer valid once the topic is silent. The state of a touch sensor stays
+            valid.
+        every_message: True if each message counts, such as each event. For other rows the newest is enough.
+    """
+
+    name: str
+    types: frozenset[str]
+    widget: str
+    nothing: Any
+    frames: str = _SAMPLE_FRAMES
+    roles: tuple[Role, ...] = (Role(name="sample"),)
+    options: Mapping[str, Any] = field(default_factory=dict)
+    goes_stale: bool = True
+    every_message: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OnDemandWidget(TopicWidget):
+    """An on-demand widget: requested by name or in the list of topics, or shown if no topic has another widget.
+
+    It takes unchanged messages, of topics that have no kind.
+
+    Args:
+        types: message types of its topics. If empty, any type that no other row names.
+        nothing: the argument for its `frame_of` in a player before the first message.
+        shared: True if one widget shows all requested topics. Its ``update`` takes the name of the topic before the
+            message.
+        rerun: as in a `Kind`.
+        companion_types: for shared widgets only. Topics of these types are passed to ``put`` even if not requested,
+            such as tf for a map.
+        plots_fields: for shared widgets only. True if it shows single fields of topics, such as
+            ``"/odom.twist.twist.linear.x"``. The widget class takes them as positional arguments.
+        fields: for widgets of fields only. The default fields of a topic that is requested without a field, by message
+            type. Such a topic has a widget of its own. `types` are the keys.
+    """
+
+    types: frozenset[str] = frozenset()
+    nothing: Any = None
+    frames: str = _MESSAGE_FRAMES
+    rerun: str = ""
+    shared: bool = False
+    companion_types: frozenset[str] = frozenset()
+    plots_fields: bool = False
+    fields: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def is_companion(self, types: str) -> bool:
+        """Return True if its widget takes a topic of a type without a request. Several types are joined by commas."""
+        return not self.companion_types.isdisjoint(types.split(", "))
+
+    def default_fields(self, types: str) -> tuple[str, ...]:
+        """Return the default fields of a topic. Several types are joined by commas."""
+        return next((self.fields[name] for name in types.split(", ") if name in self.fields), ())
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Kind(TopicWidget):
+    """A kind of sensor, with the widget of its topics. It has the name of the widget.
+
+    Args:
+        sample_name: the name of one sample in programs: ``moment.scan``, ``--scan``.
+        noun: the plural in messages to the user: ``"laser scans"``.
+        sample: the class of a sample, derived from `samples.HasAge`.
+        read: converts a message to a sample. It raises TypeError for a message of another kind, and ValueError for bad
+            numbers.
+        has_shape: returns True if a message of an unknown type with these fields is of this kind. If None, only `types`
+            are.
+        undecided: the part of `types` that other kinds also have; the first message of a topic decides.
+        columns: the series class of `Recording.series`.
+        rerun: logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; Rerun leaves them out if empty.
+        to_message: called for each recorded topic, returns a converter from its samples to messages of ROS 2. If None,
+            a feed of samples without messages cannot record them.
+        gathered: makes a collector of the messages between two steps of a program, which gets the newest one by
+            default.
+        simulated: the sensor of the simulated robot, a `robowidgets.simulator.offers.MakeOffers`, or empty.
+        also: second widgets for the same samples.
+        command_types: the part of `types` whose messages are commands, independent of the name of their topic.
+    """
+
+    sample_name: str
+    noun: str
+    sample: type
+    read: Callable[[Any], Any]
+    has_shape: Callable[[MessageShape], bool] | None = None
+    undecided: frozenset[str] = frozenset()
+    columns: str = "robowidgets.recordings.columns.series:Samples"
+    rerun: str = ""
+    to_message: Callable[[], ToMessage] | None = None
+    gathered: Callable[[], Gathered] | None = None
+    simulated: str = ""
+    also: tuple[TopicWidget, ...] = ()
+    command_types: frozenset[str] = frozenset()
+
+    @property
+    def commands(self) -> bool:
+        """True if its topics may contain commands, not measurements."""
+        return any(role.commanded for role in self.roles)
+
+    @property
+    def parameter(self) -> str:
+        """The name of the newest sample of its widget in programs."""
+        return self.roles[0].name if self.roles[0].combine else self.sample_name
+
+    def is_command(self, topic: str, type_name: str) -> bool:
+        """Return True if samples on a topic of a type are commanded, not measured."""
+        return self.commands and (type_name in self.command_types or is_command(topic))
+
+    def second_widgets(self, types: str) -> tuple[TopicWidget, ...]:
+        """Return the second widgets of a measuring topic of this kind. Several types are joined by commas."""
+        return tuple(second for second in self.also if not second.types.isdisjoint(types.split(", ")))
+
+
+_NUMBERS = ("float32", "float64")
+_SCAN_LIMITS = ("angle_min", "angle_increment", "range_min", "range_max")
+
+
+def _is_scan(shape: MessageShape) -> bool:
+    limits = all(shape.get(name) in _NUMBERS for name in _SCAN_LIMITS)
+    return limits and shape.get("ranges") in ("float32[]", "float64[]")
+
+
+def _has_twist(shape: MessageShape) -> bool:
+    twist: Any = shape
+    while isinstance(twist, Mapping):
+        if all(_is_vector(twist.get(part)) for part in ("linear", "angular")):
+            return True
+        twist = twist.get("twist")
+    return False
+
+
+def _is_vector(shape: Any) -> bool:
+    return isinstance(shape, Mapping) and all(shape.get(axis) in _NUMBERS for axis in "xyz")
+
+
+LASER = Kind(
+    name="laser",
+    sample_name="scan",
+    noun="laser scans",
+    sample=Scan,
+    read=to_scan,
+    types=frozenset({"sensor_msgs/msg/LaserScan", "sensor_msgs/msg/MultiEchoLaserScan"}),
+    widget="robowidgets.laser_widget:LaserWidget",
+    nothing=Scan(
+        np.empty(0, np.float32),
+        0.0,
+        0.0,
+        0.0,
+        10.0,
+        header_problems=(Problem("no scan up to this time of the recording", ""),),
+    ),
+    has_shape=_is_scan,
+    columns="robowidgets.recordings.columns.scans:Scans",
+    frames="robowidgets.laser.frames:ScanFrames",
+    rerun="robowidgets.in_rerun.rerun_log:ScanLog",
+    to_message=lambda: scan_message,
+    simulated="robowidgets.simulator.offers:scans",
+    # A room is much smaller than the range of many scanners.
+    options={"view_range": "auto"},
+)
+TRANSFORM_TYPES = frozenset({"tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"})
+ODOMETRY_TYPES = frozenset({"nav_msgs/msg/Odometry"})
+PATH = OnDemandWidget(
+    name="path",
+    types=TRANSFORM_TYPES
+    | {f"geometry_msgs/msg/Pose{suffix}" for suffix in ("", "Stamped", "WithCovariance", "Array", "2D")}
+    | {f"geometry_msgs/msg/{name}" for name in ("PoseWithCovarianceStamped", "PointStamped", "TransformStamped")}
+    | {"nav2_msgs/msg/Costmap", "sensor_msgs/msg/NavSatFix", "gps_msgs/msg/GPSFix", "gps_common/msg/GPSFix"}
+    | {"turtlesim/msg/Pose"}
+    | {f"nav_msgs/msg/{name}" for name in ("Odometry", "Path", "OccupancyGrid")},
+    widget="robowidgets.path_widget:PathWidget",
+    nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
+    frames="robowidgets.path.frames:path_track",
+    shared=True,
+    companion_types=TRANSFORM_TYPES | {"sensor_msgs/msg/LaserScan"},
+    # Each message of tf may contain other frames.
+    every_message=True,
+)
+"""Odometry contains the position of the robot, so it has a path. Other positions are shown on demand, on one map."""
+_STEERED = frozenset({"ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannDriveStamped"})
+SPEED = Kind(
+    name="speed",
+    sample_name="speed",
+    noun="speeds",
+    sample=Speed,
+    read=to_speed,
+    types=frozenset(
+        (
+            *(f"geometry_msgs/msg/Twist{suffix}" for suffix in ("", "Stamped", "WithCovariance")),
+            "geometry_msgs/msg/TwistWithCovarianceStamped",
+            "nav_msgs/msg/Odometry",
+            *_STEERED,
+        )
+    ),
+    widget="robowidgets.speed_widget:SpeedWidget",
+    nothing=Speed((nan, nan, nan), (nan, nan, nan)),
+    has_shape=_has_twist,
+    columns="robowidgets.recordings.columns.speeds:Speeds",
+    frames="robowidgets.speed.frames:SpeedFrames",
+    rerun="robowidgets.in_rerun.rerun_log:SpeedLog",
+    roles=(
+        Role(name="measured"),
+        Role(name="commanded", take="command", commanded=True, standalone_options={"bars": "commanded"}),
+    ),
+    to_message=lambda: speed_message,
+    simulated="robowidgets.simulator.offers:speeds",
+    # No topic contains the speed limits of its robot.
+    options={"linear_limits": None, "angular_limits": None},
+    also=(PATH,),
+    command_types=_STEERED,
+)
+TOUCH = Kind(
+    name="touch",
+    sample_name="touch",
+    noun="touch sensors",
+    sample=Touch,
+    read=to_touch,
+    # The last row belongs to the simulator, and has no message.
+    types=TOUCH_TYPES | {"robowidgets/msg/Touch"},
+    undecided=frozenset({"sensor_msgs/msg/Range"}),
+    widget="robowidgets.touch_widget:TouchWidget",
+    nothing=Touch({}),
+    columns="robowidgets.recordings.columns.touches:Touches",
+    frames="robowidgets.touch.frames:TouchFrames",
+    rerun="robowidgets.in_rerun.rerun_log:TouchLog",
+    to_message=ContactMessages,
+    simulated="robowidgets.simulator.offers:touches",
+    gathered=TouchesBetween,
+    goes_stale=False,
+    every_message=True,
+)
+SONAR = Kind(
+    name="sonar",
+    sample_name="sonar",
+    noun="sonars",
+    sample=Range,
+    read=to_range,
+    types=frozenset({"sensor_msgs/msg/Range"}),
+    # A Range whose min and max are equal is a binary touch sensor (REP 117).
+    undecided=frozenset({"sensor_msgs/msg/Range"}),
+    widget="robowidgets.sonar_widget:SonarWidget",
+    nothing=Range(nan),
+    columns="robowidgets.recordings.columns.distances:Distances",
+    frames="robowidgets.sonar.frames:SonarFrames",
+    roles=(Role(name="sonars", combine=Ranges),),
+    to_message=lambda: range_message,
+    simulated="robowidgets.simulator.offers:sonars",
+)
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
+"""The kinds by name, in the order of their widgets on a page. `add` appends another."""
+
+EVENTS = OnDemandWidget(
+    name="events",
+    types=SAID_TYPES,
+    widget="robowidgets.events_widget:EventsWidget",
+    frames="robowidgets.events.frames:EventFrames",
+    shared=True,
+    every_message=True,
+    goes_stale=False,
+)
+IMAGE = OnDemandWidget(
+    name="image",
+    types=IMAGE_TYPES,
+    widget="robowidgets.image_widget:ImageWidget",
+    nothing=Image(np.zeros((1, 1), np.uint8), "mono8"),
+    frames="robowidgets.image.frames:ImageFrames",
+    rerun="robowidgets.in_rerun.image_log:ImageLog",
+)
+"""On demand, because all cameras of a robot together would overload a network."""
+CLOUD = OnDemandWidget(
+    name="cloud",
+    types=CLOUD_TYPES,
+    widget="robowidgets.cloud_widget:CloudWidget",
+    frames="robowidgets.cloud.frames:CloudFrames",
+    rerun="robowidgets.in_rerun.rerun_log:CloudLog",
+    nothing=Cloud(np.empty(0, [(axis, np.float32) for axis in "xyz"])),
+)
+SCAN = OnDemandWidget(
+    name="scan",
+    types=CLOUD_TYPES | IMAGE_TYPES,
+    widget="robowidgets.laser_widget:LaserWidget",
+    nothing=LASER.nothing,
+    frames="robowidgets.image.frames:MadeScanFrames",
+    options=LASER.options,
+)
+"""A band of heights of a cloud, or rows of a depth image, as a laser scan: "/points as scan", or "as laser"."""
+MESSAGE = OnDemandWidget(
+    name="message",
+    widget="robowidgets.message_widget:MessageWidget",
+    frames="robowidgets.message.frames:TreeFrames",
+)
+"""For messages of any type, if no other row names it."""
+
+_XYZ = ("x", "y", "z")
+_ON_THE_FLOOR = ("linear.x", "linear.y", "angular.z")
+_FORCES = (*(f"force.{axis}" for axis in _XYZ), *(f"torque.{axis}" for axis in _XYZ))
+_WHOLE_NUMBERS = (f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
+PLOTTED: dict[str, tuple[str, ...]] = {
+    **{f"std_msgs/msg/{name}": ("data",) for name in ("Float32", "Float64", *_WHOLE_NUMBERS)},
+    "sensor_msgs/msg/Imu": ("angular_velocity.z", "linear_acceleration.x", "linear_acceleration.y"),
+    "sensor_msgs/msg/MagneticField": tuple(f"magnetic_field.{axis}" for axis in _XYZ),
+    "sensor_msgs/msg/Illuminance": ("illuminance",),
+    "sensor_msgs/msg/FluidPressure": ("fluid_pressure",),
+    "sensor_msgs/msg/Temperature": ("temperature",),
+    "sensor_msgs/msg/RelativeHumidity": ("relative_humidity",),
+    "geometry_msgs/msg/Point": _XYZ,
+    "geometry_msgs/msg/Vector3": _XYZ,
+    "geometry_msgs/msg/Vector3Stamped": tuple(f"vector.{axis}" for axis in _XYZ),
+    "geometry_msgs/msg/Accel": _ON_THE_FLOOR,
+    "geometry_msgs/msg/AccelStamped": tuple(f"accel.{name}" for name in _ON_THE_FLOOR),
+    "geometry_msgs/msg/Wrench": _FORCES,
+    "geometry_msgs/msg/WrenchStamped": tuple(f"wrench.{name}" for name in _FORCES),
+}
+"""The default fields in a plot of a topic: the numbers of most interest."""
+
+PLOT = OnDemandWidget(
+    name="plot",
+    types=frozenset(PLOTTED),
+    widget="robowidgets.plot_widget:PlotWidget",
+    frames="robowidgets.plot.frames:PlotFrames",
+    shared=True,
+    plots_fields=True,
+    fields=PLOTTED,
+    goes_stale=False,
+    every_message=True,
+)
+
+ON_DEMAND: dict[str, OnDemandWidget] = {row.name: row for row in (PATH, EVENTS, IMAGE, CLOUD, SCAN, MESSAGE, PLOT)}
+"""On-demand widgets by name, the most useful first. `add` appends another."""
+
+_RESERVED = ("time_ns", "seconds", "topic")
+"""Names that are already attributes of a moment."""
+_TYPE = re.compile(r"\w+/msg/\w+")
+_REFERENCE = re.compile(r"\w+(\.\w+)*:\w+")
+
+_STANDARD = frozenset(
+    (
+        *("actionlib_msgs", "action_msgs", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "lifecycle_msgs"),
+        *("map_msgs", "nav_msgs", "rcl_interfaces", "rosgraph_msgs", "sensor_msgs", "shape_msgs", "std_msgs"),
+        *("stereo_msgs", "tf", "tf2_msgs", "trajectory_msgs", "unique_identifier_msgs", "visualization_msgs"),
+    )
+)
+
+
+def add(kind: Kind | OnDemandWidget, *, replace: bool = False) -> None:
+    """Add a kind of sensor, or an on-demand widget, for all recordings and feeds that are opened afterwards.
+
+    Args:
+        kind: its row.
+        replace: True to replace the row of the same name, so that the cell that adds a kind can run again.
+
+    Raises:
+        ValueError: a name is taken or not an identifier, a type is not like ``sensor_msgs/msg/Range``, or a reference
+            is not ``"module:name"``.
+    """
+    if isinstance(kind, OnDemandWidget):
+        _add_on_demand(kind, replace=replace)
+        return
+    others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
+    for key in ("name", "sample_name", "parameter"):
+        name = getattr(kind, key)
+        alike = ("name",) if key == "name" else ("sample_name", "parameter")
+        taken = tuple(dict.fromkeys((*_RESERVED, *(getattr(other, one) for other in others for one in alike))))
+        if not name.isidentifier() or name in taken:
+            hint = "; replace=True replaces a row" if key == "name" else ""
+            raise ValueError(f"{key}: expected an identifier other than {', '.join(taken)}, got {name!r}{hint}")
+    _check_texts(kind, (*kind.types, *kind.undecided), ("widget", "columns", "frames", "rerun", "simulated"))
+    KINDS[kind.name] = kind
+
+
+def _add_on_demand(row: OnDemandWidget, *, replace: bool) -> None:
+    """See `add`."""
+    taken = [name for name in (*KINDS, *ON_DEMAND) if not (replace and name == row.name and name in ON_DEMAND)]
+    if not row.name.isidentifier() or row.name in taken:
+        raise ValueError(
+            f"name: expected an identifier other than {', '.join(taken)}, got {row.name!r}; replace=True replaces a row"
+        )
+    if row.plots_fields and not row.shared:
+        raise ValueError(f"shared: expected True, because {row.name} shows fields of several topics")
+    if row.plots_fields and row.types != row.fields.keys():
+        raise ValueError(f"fields: expected fields for each of the types {sorted(row.types)}, got {sorted(row.fields)}")
+    _check_texts(row, row.types, ("widget", "frames", "rerun"))
+    ON_DEMAND[row.name] = row
+
+
+def _check_texts(row: TopicWidget, types: Iterable[str], keys: Iterable[str]) -> None:
+    for type_name in types:
+        if not _TYPE.fullmatch(type_name):
+            raise ValueError(f"types: expected message types such as 'sensor_msgs/msg/Range', got {type_name!r}")
+    for key in keys:
+        reference = getattr(row, key)
+        if not _REFERENCE.fullmatch(reference) and (reference or key not in ("rerun", "simulated")):
+            raise ValueError(f"{key}: expected 'module:name', got {reference!r}")
+
+
+def on_demand_for_type(types: str) -> OnDemandWidget | None:
+    """Return the on-demand widget of a topic without a kind. Several types are joined by commas.
+
+    Returns None if its type is unknown, or if no row shows it.
+    """
+    if not types:
+        return None
+    # A row that a user adds for a type has priority over the plot of its numbers.
+    rows = sorted(ON_DEMAND.values(), key=lambda row: row.plots_fields)
+    of_type = (row for row in rows if not row.types.isdisjoint(types.split(", ")))
+    return next(of_type, next((row for row in rows if not row.types and not row.plots_fields), None))
+
+
+def on_demand_for_fields() -> OnDemandWidget | None:
+    """Return the on-demand widget that shows single fields of topics, if any."""
+    return next((row for row in ON_DEMAND.values() if row.plots_fields), None)
+
+
+def on_demand_row(widget: type) -> OnDemandWidget | None:
+    """Return the row of an on-demand widget, or None for another widget."""
+    names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
+    return next((row for row in ON_DEMAND.values() if row.widget in names), None)
+
+
+def kinds_of_type(type_name: str) -> tuple[Kind, ...]:
+    """Return the kinds that read messages of a type, in the order of the table."""
+    return tuple(kind for kind in KINDS.values() if type_name in kind.types)
+
+
+def kind_of_type(type_name: str) -> Kind | None:
+    """Return the kind of all messages of a type; None if no kind reads it, or if the message decides."""
+    kinds = kinds_of_type(type_name)
+    return kinds[0] if kinds and not is_undecided(type_name) else None
+
+
+def is_undecided(type_name: str) -> bool:
+    """Return True if the kind of a topic of this type depends on its messages."""
+    return any(type_name in kind.undecided for kind in kinds_of_type(type_name))
+
+
+def is_standard(type_name: str) -> bool:
+    """Return True if a type belongs to a ROS package whose types are all known, so that its fields do not count.
+
+    For example, a geometry_msgs/Accel has the fields of a Twist but is not a speed.
+    """
+    return type_name.split("/")[0] in _STANDARD
+
+
+def kind_of_shape(shape: MessageShape) -> Kind | None:
+    """Return the kind of messages with these fields, for a type that no row names."""
+    return next((kind for kind in KINDS.values() if kind.has_shape and kind.has_shape(shape)), None)
+
+
+def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
+    """Return the kind that reads a message, by its type or, if no kind knows the type, by its fields.
+
+    The message may also be a sample, or an object that holds one.
+    """
+    of_sample = [kind] if (kind := kind_of_sample(unwrap(message))) else []
+    for kind in of_sample or kinds_of_type(type_name) or [kind for kind in KINDS.values() if kind.has_shape]:
+        try:
+            kind.read(message)
+        except TypeError:
+            continue
+        except ValueError:
+            # A message of an undecided type is of another kind; else it is of this kind, with bad numbers.
+            if type_name in kind.undecided:
+                continue
+        return kind
+    return None
+
+
+def kind_of_sample(sample: Any) -> Kind | None:
+    """Return the kind of a sample, or None for anything else."""
+    return next((kind for kind in KINDS.values() if isinstance(sample, kind.sample)), None)
+
+
+def sample_names() -> tuple[str, ...]:
+    """Return the attributes of a moment: the only sample of a kind, and the samples of all topics of a namespace."""
+    return tuple(dict.fromkeys(name for kind in KINDS.values() for name in (kind.sample_name, kind.parameter)))
+
+
+def kind_of_parameter(name: str) -> Kind | None:
+    """Return the kind whose samples have this name in programs, or None."""
+    return next((kind for kind in KINDS.values() if kind.parameter == name), None)
+
+
+def role_of(widget: type, method: str) -> Role | None:
+    """Return the role of the topics whose messages a method of a widget takes, or None if no row has it."""
+    names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
+    roles = (role for kind in KINDS.values() if kind.widget in names for role in kind.roles)
+    return next((role for role in roles if role.take == method), None)
+
+
+def counts_every_message(type_name: str) -> bool:
+    """Return True if each message of a type counts, such as an event. For other types the newest is enough."""
+    return any(kind.every_message for kind in kinds_of_type(type_name))
+
+
+def topic_and_field(name: str, known: Iterable[str]) -> tuple[str, str]:
+    """Return the topic in a name, which may contain points, and the field: ``"/odom"``, ``"twist.twist.linear.x"``.
+
+    The field is empty if the name is a topic.
+    """
+    there = sorted(known, key=len, reverse=True)
+    topic = next((one for one in there if name == one or name.startswith(f"{one}.")), name.partition(".")[0])
+    return topic, name[len(topic) + 1 :]
+
+
+def namespace_of(topic: str) -> str:
+    """Return the namespace of a topic: ``"/sonar"`` for ``"/sonar/left"``."""
+    return topic.rpartition("/")[0] or "/"
+
+
+def info_of(topic: str, topics: Mapping[str, str]) -> str:
+    """Return the topic with the calibration of a camera, or empty without one.
+
+    Args:
+        topic: the topic of its pictures.
+        topics: the types of all topics, by name.
+    """
+    space = namespace_of(topic)
+    # "/camera/image_raw/compressed" has one part more.
+    near = [name for name, kind in topics.items() if kind == CAMERA_INFO]
+    return next((name for beside in (space, namespace_of(space)) for name in near if namespace_of(name) == beside), "")
+
+
+def sensor_of(topic: str) -> str:
+    """Return the sensor of a topic that shares its widget with its namespace: ``"left"`` for ``"/sonar/left"``."""
+    return topic.rpartition("/")[2]
+
+
+def title_of(topics: Sequence[str]) -> str:
+    """Return the title of a widget of one topic, or of several topics of a namespace."""
+    return topics[0] if len(topics) == 1 else namespace_of(topics[0])
+
+
+def by_namespace(topics: Iterable[str]) -> dict[str, list[str]]:
+    """Group topics by their namespaces, in the given order."""
+    found: dict[str, list[str]] = {}
+    for topic in topics:
+        found.setdefault(namespace_of(topic), []).append(topic)
+    return found
+
+
+def is_command(topic: str) -> bool:
+    """Return True if samples on a topic are commanded, not measured: its name contains ``cmd`` or ``command``."""
+    return "cmd" in topic.lower() or "command" in topic.lower()
+
+
+def widgets_of(kind_name: str | None, types: str, commanded: bool) -> str:
+    """Return the widgets of a topic for a table: ``"speed, path"``, ``"speed (commanded)"``, or empty without any."""
+    if kind_name is None or commanded:
+        return f"{kind_name} (commanded)" if kind_name else ""
+    return ", ".join((kind_name, *(second.name for second in KINDS[kind_name].second_widgets(types))))
+
+
+def load(reference: str) -> Any:
+    """Import and return the object behind ``"module:name"``."""
+    module, _, name = reference.partition(":")
+    return getattr(import_module(module), name)

@@ -1,0 +1,47 @@
+"""The scans of a recording, for its player."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ..kinds.choice import WidgetChoice
+from ..laser_widget import LaserWidget
+from ..notebook.progress import without_bars
+from ..poses.frame_tree import FrameTree
+from ..poses.recent import FARTHEST, RecentPoses
+from ..recordings import RecordingData
+from ..recordings.odometry import odometry
+from ..tracks import SampleFrames
+from ..widget.timed_frame import TimedFrame
+from .trail import scanner_in
+
+
+class ScanFrames(SampleFrames):
+    """A `Track` of scans. With a trail, each has its pose by the first topic of odometry, or else by tf."""
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
+        super().__init__(recording, choice, widget)
+        self._laser = widget
+        self._odometry = odometry(recording.topics)
+        self._poses = RecentPoses(None)
+        self._tree: FrameTree | None = None
+
+    def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
+        """See `Track`."""
+        self._poses = RecentPoses(None)
+        if self._odometry and self._laser.trail:
+            for moment in self._recording.samples(self._odometry, max(0.0, start - FARTHEST), end + FARTHEST):
+                self._poses.add(moment.sample.pose, moment.seconds, moment.sample.stamp_ns)
+        elif self._laser.trail and self._tree is None:
+            with without_bars():
+                self._tree = FrameTree(self._recording.transforms())
+        return super().frames(start, end)
+
+    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
+        timed = super()._frame(seconds, sample)
+        if self._tree is not None:
+            time_ns = (self._recording.start_ns or 0) + round(seconds * 1e9)
+            return timed._replace(about=timed.about | scanner_in(self._tree, sample, time_ns))
+        robot = self._poses.at(seconds, sample.stamp_ns)
+        return timed._replace(about=timed.about | self._laser.scanner_at(robot))

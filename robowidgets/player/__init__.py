@@ -1,1 +1,0 @@
-"""The player: a recording on the page."""

@@ -1,0 +1,215 @@
+"""A summary of each second of a recording, and the possible values of conditions in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import inf, pi
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...kinds import KINDS, LASER, SPEED, TOUCH, Kind
+from ...samples import AXES, TouchState
+from ...samples.checks import ANGLE_ROUNDING
+from ...samples.distances import inside, ray_distances
+from ...samples.sector import ALL_ROUND, SECTORS, Sector
+from ...samples.staleness import RECORDED, usual_step
+from ..odometry import odometry
+from ..topics import UnknownTopicError
+
+if TYPE_CHECKING:
+    from .. import RecordingData
+    from ..columns.speeds import Speeds
+
+Numbers = NDArray[np.floating[Any]]
+Flags = NDArray[np.bool_]
+
+SECOND = 1_000_000_000
+NEAREST = ("nearest", *SECTORS)
+"""The nearest distance in metres, all round and in each quarter."""
+SPEEDS = {axis: (f"{axis.replace('.', '_')}_min", f"{axis.replace('.', '_')}_max") for axis in AXES}
+"""The lowest and the highest speed, by axis."""
+POSE = ("x", "y", "yaw")
+NUMBERS = (*NEAREST, *(name for names in SPEEDS.values() for name in names), "gap", *POSE)
+BETWEEN = ", "
+"""The separator between the names of several sensors."""
+
+
+class Possible(NamedTuple):
+    """True if a condition may be true, and True if it may be false, in each of some seconds, shape (N,)."""
+
+    true: Flags
+    false: Flags
+
+
+class Texts(NamedTuple):
+    """A column of texts: for each row the number of its text, shape (N,), or -1 for no text."""
+
+    numbers: NDArray[np.integer[Any]]
+    texts: Sequence[str]
+
+    def where(self, holds: Mapping[str, bool]) -> Flags:
+        """Return the flag of the text in each row, or False without a text."""
+        found: Flags = np.array([*(holds[text] for text in self.texts), False], bool)[self.numbers]
+        return found
+
+
+class SecondRows:
+    """Rows of an index, each for a second of a recording; see `seconds_of`.
+
+    Args:
+        numbers: the columns of `NUMBERS` that were read; NaN for unknown values.
+        texts: ``scan``, ``speed`` and ``touch``, the topics of these samples; ``touched``, the touched sensors, and
+            ``sensors``, all sensors.
+    """
+
+    def __init__(self, numbers: Mapping[str, Numbers], texts: Mapping[str, Texts]) -> None:
+        self._numbers, self._texts = numbers, texts
+
+    def __len__(self) -> int:
+        return len(self._texts["scan"].numbers)
+
+    def __getitem__(self, name: str) -> Numbers:
+        return self._numbers[name]
+
+    def nearest(self, sector: Sector) -> Numbers:
+        """Return a lower limit of the nearest distance in a sector in metres."""
+        if sector is ALL_ROUND:
+            return self["nearest"]
+        nearest: Numbers = np.fmin.reduce([self[name] for name, part in SECTORS.items() if _overlap(part, sector)])
+        return nearest
+
+    def touched(self, label: str | None) -> Flags:
+        """Return True if a sensor was touched, or if no sensor has this label, so that it may have been."""
+        touched = {text: bool(text) if label is None else label in text for text in self._texts["touched"].texts}
+        sensors = {
+            text: label is not None and label not in text.split(BETWEEN) for text in self._texts["sensors"].texts
+        }
+        return self._texts["touched"].where(touched) | self._texts["sensors"].where(sensors)
+
+    def judged(self, kind: Kind, topic: str | None, true: Flags, false: Flags | bool = True) -> Possible:
+        """Return the possible values: the given ones if the topic was read, otherwise both.
+
+        Args:
+            kind: the kind of the topic.
+            topic: its name, or None for the only or preferred topic.
+            true: True if the condition may be true.
+            false: True if it may be false.
+        """
+        column = self._texts[kind.sample_name]
+        is_unknown = ~column.where({text: topic in (None, text) for text in column.texts})
+        return Possible(true | is_unknown, false | is_unknown)
+
+
+def seconds_of(recording: RecordingData) -> dict[str, Any]:
+    """Return the columns of a recording for an index as arrays, or as lists of texts that differ by row.
+
+    Each second with a message has a row, and so have the first and the last second. A row is valid until the next one.
+    It covers the samples of its second and the last one before, unless that was stale: all samples on which a condition
+    can depend then.
+    """
+    start, end = recording.start_ns, recording.end_ns
+    if start is None or end is None:
+        return {"second": np.empty(0, np.int64)}
+    scans, speeds, touches = (_series(recording, kind) for kind in (LASER, SPEED, TOUCH))
+    placed = odometry(recording.topics)
+    poses = recording.speeds(placed) if placed else None
+    regular = [
+        recording.series(topic.name)
+        for topic in recording.topics
+        if topic.widget and KINDS[topic.widget].goes_stale and not topic.commanded
+    ]
+    came = [one.times_ns for one in (scans, speeds, touches, poses, *regular) if one is not None]
+    ends = np.array([start, end], np.int64)
+    second = np.unique((np.concatenate((ends, *came)) - start) // SECOND)
+    starts = start + second * SECOND
+    found: dict[str, Any] = {"second": second, **{name: np.full(len(second), np.nan) for name in NUMBERS}}
+    if scans is not None:
+        times, nearest = _nearest(scans)
+        for name, column in zip(NEAREST, nearest, strict=True):
+            found[name] = _over(times, column, starts, np.fmin, _in_force(times))
+    if speeds is not None:
+        for column, names in zip(_values(speeds), SPEEDS.values(), strict=True):
+            for name, how in zip(names, (np.fmin, np.fmax), strict=True):
+                found[name] = _over(speeds.times_ns, column, starts, how, _in_force(speeds.times_ns))
+    if touches is not None:
+        found["sensors"] = BETWEEN.join(touches.labels)
+        found["touched"] = _touched(touches, starts)
+    if poses is not None:
+        begin, stop = _parts(poses.times_ns, starts, _in_force(poses.times_ns))
+        values = np.concatenate((poses.poses, np.full((1, 3), np.nan)))
+        picked = values[np.where(begin < stop, begin, -1)]
+        found |= dict(zip(POSE, picked.T, strict=True))
+    for one in regular:
+        edges = np.unique(np.concatenate((ends[:1], one.times_ns[one.said], ends[1:])))
+        silence = _over(edges[:-1], np.diff(edges) / SECOND, starts, np.fmax, inf)
+        found["gap"] = np.fmax(found["gap"], silence)
+    for kind, one in ((LASER, scans), (SPEED, speeds), (TOUCH, touches)):
+        found[kind.sample_name] = None if one is None else one.topic
+    return found
+
+
+def _series(recording: RecordingData, kind: Kind) -> Any:
+    """Return the samples of the only or preferred topic, or None if the topic is not unique."""
+    try:
+        return recording.series(recording.only(kind.name))
+    except UnknownTopicError:
+        return None
+
+
+def _values(speeds: Speeds) -> Numbers:
+    """Return the speeds by axis, shape (6, N)."""
+    values: Numbers = np.concatenate((speeds.linear, speeds.angular), axis=1).T
+    return values
+
+
+def _nearest(scans: Any) -> tuple[NDArray[np.int64], Numbers]:
+    """Return the times of scans, and the nearest distance by quarter, shape (5, N)."""
+    times: list[NDArray[np.int64]] = [np.empty(0, np.int64)]
+    least: list[Numbers] = [np.empty((len(NEAREST), 0), np.float32)]
+    for chunk in scans.chunks():
+        away = ray_distances(chunk.ranges, chunk.like)
+        parts = [away, *(away[:, inside(chunk.like, quarter)] for quarter in SECTORS.values())]
+        least.append(np.array([np.fmin.reduce(part, axis=1, initial=np.nan) for part in parts]))
+        times.append(chunk.times_ns)
+    return np.concatenate(times), np.concatenate(least, axis=1)
+
+
+def _touched(touches: Any, starts: NDArray[np.int64]) -> list[str]:
+    is_touched = np.concatenate((touches.states == TouchState.TOUCHED, np.zeros((1, len(touches.labels)), bool)))
+    begin, stop = _parts(touches.times_ns, starts, inf)
+    rows = [np.flatnonzero(is_touched[a:b].any(axis=0)) for a, b in zip(begin, stop, strict=True)]
+    return [BETWEEN.join(touches.labels[i] for i in row) for row in rows]
+
+
+def _in_force(times: NDArray[np.int64]) -> float:
+    """Return the maximum number of nanoseconds for which a sample of a topic counts when no other follows."""
+    return RECORDED.after(usual_step(times), SECOND)
+
+
+def _parts(times: NDArray[np.int64], starts: NDArray[np.int64], longest: float) -> tuple[Any, Any]:
+    """Return first and end index of the samples of each row, shape (M,) each, with the one before unless too old."""
+    first = np.searchsorted(times, starts)
+    stop = np.append(first[1:], len(times))
+    is_late = first == 0
+    if len(times):
+        is_late |= starts - times[first - 1] > longest
+    return np.where(is_late, first, first - 1), stop
+
+
+def _over(
+    times: NDArray[np.int64], values: Numbers, starts: NDArray[np.int64], how: np.ufunc, longest: float
+) -> Numbers:
+    """Return the least or greatest value in each row, as float32 if the values are, or NaN without values."""
+    begin, stop = _parts(times, starts, longest)
+    # From each pair of edges, the part between them. One more value, because an edge must be an index.
+    edges = np.stack((begin, stop), axis=1).ravel()
+    found = how.reduceat(np.append(values, np.array(np.nan, values.dtype)), edges)[::2]
+    return np.where(begin < stop, found, np.array(np.nan, values.dtype))
+
+
+def _overlap(one: Sector, other: Sector) -> bool:
+    """Return True if two sectors may have a ray in common."""
+    slack = 10 * ANGLE_ROUNDING
+    return any((b.start - a.start + slack) % (2 * pi) <= a.sweep + 2 * slack for a, b in ((one, other), (other, one)))

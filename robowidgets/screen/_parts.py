@@ -1,0 +1,78 @@
+"""Protocols of a player for its followers and its pages in files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from ipywidgets import Widget
+
+from ..kinds.choice import WidgetChoice
+from ..player_widget import PlayerWidget
+from ..poses.places import Places
+from ..recordings import RecordingData
+from ..scanogram_widget import ScanogramWidget
+from ..tracks import Track
+from ..widget.sample_widget import SampleWidget
+from .layout import OneScreen
+
+
+class PlayerView(NamedTuple):
+    """A widget of the player, its choice, and its track."""
+
+    widget: SampleWidget
+    choice: WidgetChoice
+    track: Track
+
+
+def followers(views: Sequence[PlayerView], scanogram: ScanogramWidget | None) -> list[str]:
+    """Return the models of the widgets that show the time themselves and let the user choose it."""
+    own = [view.widget.model_id for view in views if view.widget.has_trait("time")]
+    return [*([scanogram.model_id] if scanogram else []), *own]
+
+
+class LeadingPlayer(Protocol):
+    """A player that another one follows."""
+
+    recording: RecordingData
+    bar: PlayerWidget
+    time: float
+
+    @property
+    def followed(self) -> LeadingPlayer | None:
+        """The player that this one follows, or None."""
+
+    def places(self) -> Places:
+        """Return the places of the robot at its scans."""
+
+    def observe(self, handler: Callable[[Any], None], names: str) -> None:
+        """Call a function when a trait changes."""
+
+    def unobserve(self, handler: Callable[[Any], None], names: str) -> None:
+        """Stop calling a function when a trait changes."""
+
+
+class PagedPlayer(Protocol):
+    """A player from which a page in a file is made."""
+
+    recording: RecordingData
+    views: Sequence[PlayerView]
+    bar: PlayerWidget
+    scanogram: ScanogramWidget | None
+    rerun: Any
+    _dom_classes: Sequence[str]
+    """The CSS classes, under the name that ipywidgets uses."""
+
+    @property
+    def duration(self) -> float:
+        """Seconds of the recording."""
+
+    @property
+    def left_out(self) -> tuple[Any, ...]:
+        """The widgets that the page replaces or cannot contain."""
+
+    def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
+        """Return its widgets, each with a track that reads the given recording."""
+
+    def arranged(self, scanogram: ScanogramWidget | None, screen: OneScreen) -> Sequence[Widget]:
+        """Return all widgets from top to bottom, with the given scanogram in the given screen."""

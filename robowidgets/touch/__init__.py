@@ -1,0 +1,1 @@
+"""The touch widget's room."""

@@ -1,0 +1,80 @@
+"""The front end of a widget: its script and stylesheet, and how they reach the page."""
+
+from __future__ import annotations
+
+import functools
+import os
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import traitlets
+
+from ..runtime.platform_fixes import share_class
+
+STATIC = Path(__file__).parents[1] / "static"
+
+
+class Script(str):
+    """A script that `bundle` read: each page runs it once, for all of its widgets."""
+
+    __slots__ = ()
+
+
+def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
+    """Return the built script and stylesheet of a widget by its name, such as "laser_widget".
+
+    Returns:
+        Their texts or, for hot reload, their paths if ROBOWIDGETS_DEV is set.
+
+    Raises:
+        ImportError: a file is missing.
+    """
+    script, style = (built_file((folder or STATIC) / f"{name}.{kind}") for kind in ("js", "css"))
+    if os.environ.get("ROBOWIDGETS_DEV"):
+        return script, style
+    return Script(script.read_text(encoding="utf-8")), style.read_text(encoding="utf-8")
+
+
+def built_file(path: Path) -> Path:
+    """Return the path of a file of the front end, or raise ImportError with how to build a missing one."""
+    if not path.is_file():
+        if path.parent != STATIC:
+            raise ImportError(f"{path} is missing: `node build.mjs` in robowidgets/js builds it")
+        raise ImportError(
+            f"robowidgets was installed without its front end ({path.name} is missing); "
+            "in a checkout run `make build`, else install it again"
+        )
+    return path
+
+
+@functools.cache
+def _run_once() -> str:
+    return built_file(STATIC / "run_once.js").read_text(encoding="utf-8")
+
+
+_with_front_end: dict[type, type] = {}
+"""The subclass of each widget class that has the front end as traits."""
+
+
+class FrontEndWidget(anywidget.AnyWidget):
+    """A widget whose script and stylesheet a page keeps once, for all of its kind."""
+
+    def add_traits(self, **traits: Any) -> None:
+        """Give the widget the front end as traits, as anywidget does, but make the class only once.
+
+        The page keeps the script that Jupyter runs for each widget. So this is a small script, which runs the script of
+        the widget's class once.
+        """
+        plain = type(self)
+        known = _with_front_end.get(plain)
+        if known is not None and traits.keys() <= vars(known).keys() and share_class(self, known):
+            return
+        if "_esm" in traits:
+            texts = {"_style": getattr(plain, "_css", "")}
+            if isinstance(plain._esm, Script):
+                texts |= {"_script": plain._esm, "_esm": _run_once(), "_css": ""}
+            traits |= {name: traitlets.Unicode(str(text)).tag(sync=True) for name, text in texts.items()}
+        super().add_traits(**traits)
+        if isinstance(getattr(plain, "_esm", None), str):  # with hot reload the class differs from widget to widget
+            _with_front_end[plain] = type(self)

@@ -1,0 +1,1 @@
+"""The wires widget's room."""
