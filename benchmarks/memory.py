@@ -16,7 +16,7 @@ WORK = {
     "`find` by a condition": "recording.find(robowidgets.conditions.nearest_below(0.2))",
     "`scanogram`": "recording.scanogram()",
     "`show`, and the page's player sent all through it": """
-from robowidgets.screen._prefetcher import segment
+from robowidgets.screens._prefetcher import segment
 player = recording.show(scanogram=False)
 with player._open_tracks() as tracks:
     for second in range(int(recording.duration)):
@@ -30,7 +30,7 @@ from benchmarks.player_kernel import peak
 
 # What any first use loads.
 import anywidget, tqdm.auto
-import robowidgets.files, robowidgets.recordings.search.search, robowidgets.screen.player
+import robowidgets.files, robowidgets.recordings.search.search, robowidgets.screens.player
 
 recording = robowidgets.open(sys.argv[1])
 recording.memory = {limit}

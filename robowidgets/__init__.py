@@ -45,7 +45,7 @@ from .samples import (
     spread,
 )
 from .scanogram_widget import ScanogramWidget
-from .screen.together import together
+from .screens.together import together
 from .shapes import Arc, Arrow, Line, Points, Polygon, Text
 from .sonar_widget import SonarWidget
 from .speed_widget import SpeedWidget
@@ -161,7 +161,7 @@ def __getattr__(name: str) -> Any:
     if name in ("feeds", "fleet", "lessons", "simulator"):
         return import_module(f".{name}", __name__)
     if name == "conditions":
-        return import_module(".search.conditions", __name__)
+        return import_module(".recordings.search.conditions", __name__)
     if name in _LATER:
         return getattr(import_module(_LATER[name], __name__), name)
     if name in _RENAMED:

@@ -13,8 +13,8 @@ from ._plot import same_places
 from .kinds import LASER, SPEED
 from .notebook.progress import without_bars
 from .path_widget import PathWidget
-from .plot.line import Floats, held
 from .plot_widget import PlotWidget
+from .plots.line import Floats, held
 from .poses.places import to_place
 from .recordings.data import RecordingData
 from .recordings.odometry import odometry
@@ -26,7 +26,7 @@ from .samples import Pose
 from .samples.map_item import MapItem
 from .samples.sector import ALL_ROUND, SectorLike
 from .samples.state_span import StateSpan, rows_of
-from .screen.layout import Together
+from .screens.layout import Together
 from .shapes import Points
 
 MOST = 4

@@ -9,8 +9,8 @@ import numpy as np
 
 from .feeds.feed import Feed
 from .kinds import is_command, topic_and_field
-from .plot.line import Floats, held, slope
 from .plot_widget import MOST_LINES, PlotWidget
+from .plots.line import Floats, held, slope
 from .poses.places import WITHIN, to_place
 from .recordings.data import RecordingData
 from .recordings.field_lines import FieldLine, choices, field_lines

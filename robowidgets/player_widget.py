@@ -67,7 +67,7 @@ class PlayerWidget(FrontEndWidget):
         return min(start, self.duration), min(end, self.duration)
 
     def follow(self, leader: dict[str, Any]) -> None:
-        """Move with another player in the page: see `robowidgets.screen._leader.Leader`. Empty ends that."""
+        """Move with another player in the page: see `robowidgets.screens._leader.Leader`. Empty ends that."""
         self._leader = leader
 
     def complain(self, problem: str) -> None:

@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike
 
 from .kinds import is_command
 from .messages.units import unit_of
-from .plot.card import PlotCard
-from .plot.frame import Lines, ends, pack
-from .plot.line import GrowingLine, checked
+from .plots.card import PlotCard
+from .plots.frame import Lines, ends, pack
+from .plots.line import GrowingLine, checked
 from .runtime.error_routing import called_from_cell
 from .runtime.output_file import checked_output
 from .runtime.text import many

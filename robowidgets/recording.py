@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .recordings.search.instant import Instant
     from .recordings.search.spans import Spans
     from .scanogram_widget import ScanogramWidget
-    from .screen.player import Player
+    from .screens.player import Player
     from .wires_widget import WiresView
 
 
@@ -148,7 +148,7 @@ class Recording(RecordingData):
             >>> recording.show("/scan", "/odom")  # doctest: +SKIP
         """
         # Imported lazily: reading samples needs no widget.
-        from .screen.player import Player
+        from .screens.player import Player
 
         again = self.reopened()
         try:

@@ -24,7 +24,7 @@ DURATION = 20.0
 RUN = """
 import os, sys, time
 import robowidgets.behaviors.simulation as simulation
-import robowidgets.screen.player as player
+import robowidgets.screens.player as player
 import robowidgets.samples.scan as scan
 from pathlib import Path
 from IPython.display import display

@@ -28,7 +28,7 @@ from ..notebook.cells import take_the_place
 from ..program_widget import ProgramWidget
 from ..runtime.clock import Threads
 from ..runtime.coalesced_call import CoalescedCall
-from ..screen.layout import OneScreen, stacked
+from ..screens.layout import OneScreen, stacked
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
 from ..topics_widget import TopicNow, TopicRow, TopicsWidget

@@ -16,7 +16,7 @@ from ..recordings.search.base import Condition
 from ..recordings.times import has_date
 from ..runtime.coalesced_call import CoalescedCall
 from ..runtime.text import many
-from ..screen.player import Player
+from ..screens.player import Player
 from ..sheet_widget import SheetFile, SheetWidget
 from ._fleet_table import Unread, short
 from ._hit import Hit

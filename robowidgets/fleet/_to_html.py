@@ -13,7 +13,7 @@ from ..recording import open as open_recording
 from ..recordings.search.base import Condition
 from ..runtime.text import many, megabytes
 from ..samples.checks import not_negative
-from ..screen.player import Player
+from ..screens.player import Player
 from ..sheet_widget import SheetWidget
 from ._hit import Hit
 from ._pictures import pictures

@@ -15,7 +15,7 @@ from playwright.sync_api import Locator, Position, expect
 
 import robowidgets
 from robowidgets.scanogram import overview as _overview
-from robowidgets.screen import _prefetcher
+from robowidgets.screens import _prefetcher
 
 from ..unit.recordings import corridor, robot, sweeps
 from ..unit.waiting import wait_for

@@ -15,7 +15,7 @@ function rowsOf(times: number[], values: number[], counts = values.map((v) => Nu
   return { total: times.length, times: one, values: two, counts: three, sums: four } as Rows;
 }
 
-/** The bytes of a frame, as `robowidgets/plot/frame.py` packs them. */
+/** The bytes of a frame, as `robowidgets/plots/frame.py` packs them. */
 function packed(edition: number, span: number[], columns: number, total: number, rows: Rows): DataView {
   const { times, values, counts, sums } = rows;
   const head = [edition, 0, 100, ...span, columns, 1, total, times.length];

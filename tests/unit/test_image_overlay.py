@@ -33,7 +33,7 @@ from robowidgets.image.frames import ImageFrames
 from robowidgets.kinds.choice import choose_widgets
 from robowidgets.poses.frame_tree import Poses
 from robowidgets.samples import Image, Pose
-from robowidgets.screen.layout import OneScreen
+from robowidgets.screens.layout import OneScreen
 from robowidgets.widget.freezing import freeze_together
 
 from .. import camera_drive, map_scene

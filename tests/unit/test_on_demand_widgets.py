@@ -18,7 +18,7 @@ from robowidgets.kinds.choice import FEW, choose_widgets
 from robowidgets.notebook import cells as _cells
 from robowidgets.recording import Recording
 from robowidgets.recordings import UnknownTopicError
-from robowidgets.screen.player import Player
+from robowidgets.screens.player import Player
 
 from ..fourth_kind.on_demand import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
 from .feeds.scripted import IMU, ODOM, SCAN, Scripted

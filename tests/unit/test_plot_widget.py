@@ -15,10 +15,10 @@ import traitlets
 
 import robowidgets
 from robowidgets import PlotWidget
-from robowidgets.plot import line as lines
-from robowidgets.plot._thin import ThinRows, thinned
-from robowidgets.plot.frame import pack
-from robowidgets.plot.line import GrowingLine, slope
+from robowidgets.plots import line as lines
+from robowidgets.plots._thin import ThinRows, thinned
+from robowidgets.plots.frame import pack
+from robowidgets.plots.line import GrowingLine, slope
 from robowidgets.recordings import RecordingError
 
 from .recordings import recorded

@@ -25,7 +25,7 @@ from robowidgets.recordings import UnknownTopicError
 from robowidgets.repair import RecordingError, Source
 from robowidgets.repair.write import write
 from robowidgets.runtime import output_file
-from robowidgets.screen import _to_html
+from robowidgets.screens import _to_html
 from robowidgets.widget.timed_frame import FRAME_HEADER, TimedFrame
 
 from .recordings import robot, sweeps

@@ -28,7 +28,7 @@ export interface PlotFrame {
 const HEAD = 7;
 const DOUBLE = 8;
 
-/** Decodes the frame that `robowidgets/plot/frame.py` packs; null for an empty trait. */
+/** Decodes the frame that `robowidgets/plots/frame.py` packs; null for an empty trait. */
 export function decodePlot(trait: unknown): PlotFrame | null {
   const bytes = toBytes(trait);
   if (!bytes) return null;

@@ -14,7 +14,7 @@ from traitlets import TraitError
 import robowidgets
 from robowidgets.in_rerun import widget as widget_module
 from robowidgets.in_rerun.widget import RerunWidget
-from robowidgets.screen.player import Player
+from robowidgets.screens.player import Player
 
 from ..waiting import wait_for
 

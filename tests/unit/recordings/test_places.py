@@ -15,7 +15,7 @@ from robowidgets.recording import open
 from robowidgets.recordings import RecordingError
 from robowidgets.recordings.odometry import places_of
 from robowidgets.samples import Pose
-from robowidgets.screen.player import Player
+from robowidgets.screens.player import Player
 
 from . import corridor, recorded, sweeps
 from .recorded import START_NS

@@ -13,7 +13,7 @@ import pytest
 
 from robowidgets import SAMPLE, LaserWidget, PathWidget, SpeedWidget, TouchWidget
 from robowidgets.recording import open
-from robowidgets.screen.player import Player
+from robowidgets.screens.player import Player
 from robowidgets.touch.frames import TICK
 from robowidgets.tracks import NEW, pack
 from robowidgets.widget.timed_frame import FRAME_HEADER, TimedFrame

@@ -12,8 +12,8 @@ import pytest
 from robowidgets.notebook import progress
 from robowidgets.recordings import RecordingError
 from robowidgets.runtime.clock import Clock, scheduler
-from robowidgets.screen import _prefetcher as module
-from robowidgets.screen._prefetcher import Cursor, Prefetcher
+from robowidgets.screens import _prefetcher as module
+from robowidgets.screens._prefetcher import Cursor, Prefetcher
 from robowidgets.widget.timed_frame import TimedFrame
 
 from ..clocks import ManualClock

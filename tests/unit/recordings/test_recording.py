@@ -289,6 +289,6 @@ def test_reading_a_recording_needs_no_page_and_importing_robowidgets_no_reader(p
     code = (
         "import sys, robowidgets; assert 'rosbags' not in sys.modules; "
         f"recording = robowidgets.open({str(path)!r}); assert len(list(recording.samples())) == 254; "
-        "assert 'rosbags' in sys.modules and 'robowidgets.screen.player' not in sys.modules"
+        "assert 'rosbags' in sys.modules and 'robowidgets.screens.player' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

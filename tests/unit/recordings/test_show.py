@@ -26,9 +26,9 @@ from robowidgets.recording import Recording, open
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.samples.touch_tracker import TouchSensor, TouchTracker
 from robowidgets.scanogram.overview import readings_per_second
-from robowidgets.screen import _prefetcher
-from robowidgets.screen._prefetcher import segment
-from robowidgets.screen.player import Player
+from robowidgets.screens import _prefetcher
+from robowidgets.screens._prefetcher import segment
+from robowidgets.screens.player import Player
 from robowidgets.touch import marks as _touch_marks
 from robowidgets.touch.history import TouchHistory
 from robowidgets.touch.marks import touch_marks
@@ -385,7 +385,7 @@ def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
 def test_the_first_segments_are_in_the_state_of_the_bar(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
     numbers = [held["segment"] for held in player.bar._first]
     assert numbers == list(range(int(player.duration) + 1))
-    monkeypatch.setattr("robowidgets.screen.player.HELD_BYTES", 0)
+    monkeypatch.setattr("robowidgets.screens.player.HELD_BYTES", 0)
     (first,) = player._first_segments(0)
     assert first["segment"] == int(player.time)
     _, frames = segment([view.track for view in player.views], 0)
@@ -464,7 +464,7 @@ def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # Else the bad scan is among what a notebook holds.
-    monkeypatch.setattr("robowidgets.screen.player.HELD_BYTES", 0)
+    monkeypatch.setattr("robowidgets.screens.player.HELD_BYTES", 0)
     with shown(robot.write(tmp_path / "drive", bad_scan_at=40), scanogram=False) as player:
         told = player.children[0]
         assert (told.value, told.layout.display) == ("", "none")

@@ -21,7 +21,7 @@ from robowidgets.kinds import LASER
 from robowidgets.kinds.choice import WidgetChoice
 from robowidgets.messages.compression import zstd
 from robowidgets.repair import LEAP_NS, Arrivals, Source, has_clock_step, open_repaired
-from robowidgets.screen._prefetcher import segment
+from robowidgets.screens._prefetcher import segment
 from robowidgets.tracks import SampleFrames
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
