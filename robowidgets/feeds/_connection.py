@@ -32,7 +32,7 @@ from ._open_feeds import open_feeds
 from ._program_inputs import FeedInputs
 from ._scanner_mounts import Held, ScannerMounts
 from ._subscription import Target, sorted_targets
-from ._subscription_table import SubscriptionTable
+from ._subscription_table import CLOSED, SubscriptionTable
 from ._topics import FeedTopic, check_name, decided, topics_of, unlisted
 from .middleware import Advert, FeedError, Middleware
 
@@ -122,7 +122,8 @@ class Connection(Observed):
     @property
     def status(self) -> str:
         """See `Feed.status`."""
-        return self._table.down
+        # Views look once more when the feed is closed, maybe before the table is.
+        return CLOSED if self.is_closed else self._table.down
 
     @property
     def widgets(self) -> tuple[SampleWidget, ...]:

@@ -16,6 +16,10 @@ from ._topics import FeedTopic
 _Connected = tuple[Subscription, Target]
 
 
+CLOSED = "the feed is closed"
+"""The status of a closed feed."""
+
+
 class SubscriptionTable:
     """The subscriptions of a feed, by topic. The feed holds its lock during each change.
 
@@ -115,7 +119,7 @@ class SubscriptionTable:
 
     def close(self) -> None:
         """Report that no message can come any more."""
-        self.lose("the feed is closed")
+        self.lose(CLOSED)
         for widget in self._widgets:
             widget.on_source_closed()
 

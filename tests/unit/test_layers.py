@@ -39,6 +39,7 @@ LEAVES = {
 }
 """Parts that only these other parts may import."""
 
+
 def name_of(path: Path) -> str:
     """The module in a file, without the name of the package: ``laser.frames``, ``feeds`` for its ``__init__``."""
     parts = path.relative_to(ROOT).with_suffix("").parts

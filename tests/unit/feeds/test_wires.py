@@ -303,6 +303,14 @@ def test_a_closed_feed_ends_it_in_words(feed: Feed) -> None:
     widget.close()
 
 
+def test_a_feed_reports_that_it_is_closed_while_it_closes(feed: Feed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A view updates for the last time as soon as the feed is closed, which may be before its connection is."""
+    seen, close = [], feed.connection.middleware.close
+    monkeypatch.setattr(feed.connection.middleware, "close", lambda: (seen.append(feed.status), close()))
+    feed.close()
+    assert seen == ["the feed is closed"]
+
+
 def test_a_source_that_is_none_and_an_unknown_keyword_are_refused(feed: Feed) -> None:
     with pytest.raises(TypeError, match=r"expected the source that feed\.wires\(\) or recording\.wires\(\) uses"):
         WiresWidget(feed)
