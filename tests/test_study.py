@@ -30,7 +30,7 @@ CODE = {
 
 
 class Participant:
-    """Somebody simulated, who takes some seconds for each task, and has an opinion."""
+    """A simulated participant, who takes some seconds for each task, and has an opinion."""
 
     def __init__(self, number: int, folder: Path) -> None:
         self.time = 0.0
@@ -64,7 +64,7 @@ class Participant:
 
 @pytest.fixture(autouse=True)
 def quick_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Answers in code are checked once each: the check itself has tests of its own."""
+    """Answers in code are checked once each: the check itself has its own tests."""
     known: dict[tuple[str, str], str] = {}
     check = study.code_wrong
 

@@ -1,4 +1,4 @@
-"""The view of a robot beside the notebook, where one sees it while one writes."""
+"""The view of a robot next to the notebook, visible while the user writes code."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ AGREES = """() => {
     return Math.abs(view.width - wide) < 1 && pane.scrollWidth <= pane.clientWidth && left >= notebook.right
         && width > 300 && Math.abs(height - notebook.height) < 40;
 }"""
-"""Whether the pane is right of the notebook, and its view as wide as the pane."""
+"""Return True if the pane is right of the notebook, and its view is as wide as the pane."""
 SHOWN = "Show this view beside the notebook"
 
 
 @pytest.fixture
 def beside(notebook: Callable[..., Notebook]) -> Callable[..., Notebook]:
-    """A notebook with a robot and this cell, all run, in JupyterLab as it starts: not in simple mode."""
+    """A notebook with a robot and this cell, all run, in JupyterLab's default mode, which is not simple mode."""
 
     def run(cell: str, **more: object) -> Notebook:
         nb = notebook([ROBOT, cell], run=False, **more)
@@ -74,7 +74,7 @@ def test_a_view_beside_the_notebook_is_as_wide_as_its_pane_and_the_cell_has_stop
     for width, height in ((1280, 720), (1000, 720), (2600, 1000)):
         nb.page.set_viewport_size({"width": width, "height": height})
         nb.page.wait_for_function(AGREES)
-    # Where it has two columns it has the height of the pane, too.
+    # With two columns it has the height of the pane, too.
     nb.page.wait_for_function("""() => {
         const pane = document.querySelector(".rw-beside-pane");
         const { height } = pane.querySelector(".rw-feed").getBoundingClientRect();

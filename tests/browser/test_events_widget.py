@@ -1,4 +1,4 @@
-"""What a person sees and does with a list of events."""
+"""The list of events on a page."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .plain_page import PlainPage
 
 
 def rows(card: Locator) -> Locator:
-    """The rows of the list that are in the page."""
+    """The rows of the list that are on the page."""
     return card.locator(".rw-event:visible")
 
 

@@ -1,4 +1,4 @@
-"""The image widget on a page: pixels, regions, depth, and what a person does to them."""
+"""The image widget on a page: pixels, regions, depth, and its controls."""
 
 from __future__ import annotations
 

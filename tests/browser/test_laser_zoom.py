@@ -1,4 +1,4 @@
-"""How far a laser's picture reaches, as a person sets it by wheel, buttons, keys and from Python."""
+"""The range of a laser's picture, set by wheel, buttons, keys and from Python."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_wheel_buttons_keys_fit_and_python_zoom(plain_page: Callable[..., PlainP
     reaches(card, "4")
     for turn, metres, scale in ((-100, "3", 1.33), (100, "4", 1.0), (100, "4", 1.0)):
         picture.hover()
-        mouse.move(400, 300, steps=3)  # a mouse on its way, as the wheel's own test of it asks
+        mouse.move(400, 300, steps=3)  # a moving mouse, as the test of the wheel requires
         mouse.wheel(0, turn)
         reaches(card, metres)
         mouse.move(5, 5)

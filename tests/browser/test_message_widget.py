@@ -1,4 +1,4 @@
-"""What a person sees and does with a message widget."""
+"""The message widget on a page."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .plain_page import PlainPage
 
 
 def value(card: Locator, path: str) -> Locator:
-    """What stands beside the name of a field."""
+    """The text next to the name of a field."""
     return row(card, path).locator(".rw-message-value")
 
 
@@ -103,7 +103,7 @@ def test_what_changed_is_marked_and_nothing_else(plain_page: Callable[..., Plain
     nb.run(2)
     nb.page.keyboard.press("Escape")
     expect(value(card, "angular_velocity.z")).to_have_text("−0.5")
-    expect(changed).to_have_count(0)  # it is over
+    expect(changed).to_have_count(0)  # the silence is over
     card.locator(".rw-picture").focus()
     nb.page.keyboard.press(" ")
     expect(changed).to_have_count(2)

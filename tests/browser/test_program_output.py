@@ -1,4 +1,4 @@
-"""Where the page shows what a program prints, logs and raises: below its own cell."""
+"""The page shows what a program prints, logs and raises below its own cell."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ one.connect("/scan", look)
 
 
 def printed(nb: Notebook, index: int, name: str) -> str:
-    """What stands below a cell from one of the two streams."""
+    """The text of one of the two streams below a cell."""
     streams = [output for output in nb.outputs(index) if output.get("name") == name]
     return "".join("".join(output["text"]) for output in streams)
 

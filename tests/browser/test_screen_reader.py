@@ -1,4 +1,4 @@
-"""What a screen reader hears of the widgets, and what axe-core finds wrong for people who use other means."""
+"""The output of the widgets for screen readers, and the faults that axe-core finds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a person sees and does with a sonar widget."""
+"""The sonar widget on a page."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .test_png import differences, download, seen
 
 
 def at(card: Locator, degrees: float, part: float = 0.5) -> tuple[float, float]:
-    """A point in the picture of a ring that is round, in this direction from forward, at a part of the half height."""
+    """A point in the picture of a round ring, in this direction from forward, at a share of the half height."""
     picture = card.locator(".rw-picture").bounding_box()
     assert picture
     x, y = picture["x"] + picture["width"] / 2, picture["y"] + picture["height"] / 2
@@ -27,12 +27,12 @@ def at(card: Locator, degrees: float, part: float = 0.5) -> tuple[float, float]:
 
 
 def texts(widget: Locator) -> list[str]:
-    """What stands in the picture now, since `listen`."""
+    """The texts in the picture now, since `listen`."""
     return [text for text, *_ in placed_words(widget)]
 
 
 def words(card: Locator, place: str) -> Locator:
-    """The pop-up of the picked or of the hovered sensor: its part of this name."""
+    """Return the part with this name of the pop-up of the picked or hovered sensor."""
     return card.locator(".rw-popup:visible .rw-popup-" + place)
 
 

@@ -1,4 +1,4 @@
-"""What a person sees and does with a speed widget."""
+"""The speed widget on a page."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ PLACES = """(card) => [...card.querySelectorAll(".rw-track, .rw-footer")]
 
 
 def of_each(cards: Locator, faults: str) -> list[str]:
-    """What a script finds wrong with any of some cards."""
+    """The faults that a script finds in any of some cards."""
     found: list[str] = cards.evaluate_all(f"(cards) => cards.flatMap({faults})")
     return found
 
@@ -113,7 +113,7 @@ def value(widget: Locator, name: str) -> Locator:
 
 
 def drawn(widget: Locator, name: str, part: str) -> float:
-    """The speed at which a part of an axis is drawn, by where zero and the limits of -1 and 1 are."""
+    """The speed at which a part of an axis is drawn, from the positions of zero and the limits of -1 and 1."""
     speed: float = axis(widget, name).evaluate(
         """(column, part) => {
             const box = (element) => element.getBoundingClientRect();
@@ -130,7 +130,7 @@ def drawn(widget: Locator, name: str, part: str) -> float:
 
 
 def colour(shown: Locator) -> str:
-    """What an element is painted with."""
+    """The paint of an element."""
     painted: str = shown.evaluate("(element) => getComputedStyle(element).backgroundColor")
     return painted
 

@@ -1,4 +1,4 @@
-"""Each widget brings a stylesheet of its own, and those of the others in the page change nothing of it."""
+"""Each widget brings its own stylesheet, and the stylesheets of other widgets in the page do not change it."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ DIFFERENCES = """(card) => {
         looks.flatMap((value, j) => value === alone[i][j] ? [] : [
             `${elements[Math.floor(i / 3)].className}: ${names[j]} ${alone[i][j]} becomes ${value}`])));
 }"""
-"""What looks otherwise with the stylesheets of other widgets in the page, before a widget's own or after it."""
+"""The properties that change with the stylesheets of other widgets in the page, before or after a widget's own."""
 
 
 def test_a_widget_looks_the_same_whatever_stands_beside_it(plain_page: Callable[..., PlainPage]) -> None:

@@ -1,4 +1,4 @@
-"""ROS 1: against a real master, and publishers in processes of their own."""
+"""ROS 1, against a real master and publishers in their own processes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .conftest import PACKAGES, PYTHON
 
 STAMPED = "geometry_msgs/msg/TwistStamped"
 
-MODULE = importlib.import_module("robowidgets.feeds.ros1")  # by its name there is the function in it
+MODULE = importlib.import_module("robowidgets.feeds.ros1")  # under its name the package has the function in it
 
 
 @pytest.fixture
@@ -51,7 +51,7 @@ def feed(quick) -> Iterator[feeds.Feed]:
 
 
 class Told(Ears):
-    """Keeps all that was told of who does not hear."""
+    """Keeps all reports about topics without a subscriber."""
 
     def on_unheard(self, topic: str, reason: str) -> None:
         if self.unheard.get(topic, "") != reason:
@@ -91,7 +91,7 @@ def middleware(quick) -> Iterator[Opened]:
 
 
 def memory() -> int:
-    """Bytes that this process holds."""
+    """The memory of this process, in bytes."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
@@ -266,7 +266,7 @@ class Robot(NamedTuple):
 
 @pytest.fixture
 def robot(publish) -> Iterator[Callable[[str], Robot]]:
-    """`robot(topic)` starts one that listens, in a process of its own."""
+    """`robot(topic)` starts a robot that listens, in its own process."""
     started: list[tuple[Robot, threading.Thread]] = []
 
     def start(topic: str) -> Robot:
@@ -283,7 +283,7 @@ def robot(publish) -> Iterator[Callable[[str], Robot]]:
 
 
 def driven(feed: feeds.Feed, topic: str, hold: float = 60.0) -> None:
-    """Have a feed drive by a topic, once somebody listens to it."""
+    """Make a feed drive by a topic, once it has a subscriber."""
     feed.driving = feeds.Driving(topic, hold=hold)
     wait_for(lambda: any(there.name == topic and there.wanted for there in feed.topics), "it is listened to")
 
@@ -365,7 +365,7 @@ def test_a_publisher_stays_when_its_feed_is_closed_so_that_no_robot_is_ever_refu
 
 
 def test_a_topic_that_is_listed_has_its_type_though_it_appeared_a_moment_ago(feed, monkeypatch):
-    """Without the type a robot would get a publisher of another one, and refuse it."""
+    """Without the type, a robot would get a publisher of another type, and refuse it."""
     call, uri = _ros1_master._call, os.environ["ROS_MASTER_URI"]
 
     def called(*given: Any, **caller: str) -> Any:
@@ -433,7 +433,7 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
     wait_for(lambda: other.heard[-1] == last - 1, "the other robot hears all the same")
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 1000.0)
     middleware.publish(topic, last)  # a speed does not wait for it
-    limit = 3.0  # a busy machine stands still for long
+    limit = 3.0  # a busy machine may pause for long
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", limit)
     wait_for(lambda: other.heard[-1] == last, "the other robot hears it")
     started = time.monotonic()
@@ -577,7 +577,7 @@ def test_a_publisher_of_speeds_that_was_killed_is_named_no_longer_and_holds_up_n
         f"rospy.Publisher({topic!r}, TwistStamped, queue_size=1); print('ready', flush=True); time.sleep(600)"
     )
     other = subprocess.Popen([PYTHON, "-c", script], stdout=subprocess.PIPE, text=True)
-    with socket.create_server(("127.0.0.1", 0)) as silent:  # it may be there, and takes its time
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # it may exist, but take time to answer
         known = _ros1_master.Master(f"http://127.0.0.1:{master.port}")
         address = f"http://127.0.0.1:{silent.getsockname()[1]}"
         try:
@@ -610,7 +610,7 @@ def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish
     wait_for(lambda: wire("/wired/scan").rate, "its rate is known")
     (lidar,) = wire("/wired/scan").publishers
     assert lidar.startswith("/scan_")
-    # Our own node takes it, too, and is no node of the robot.
+    # Our own node receives it, too, and is not a node of the robot.
     assert wire("/wired/scan").subscribers == ()
     wait_for(lambda: wire("/wired/cmd_vel"), "the robot listens")
     (base,) = wire("/wired/cmd_vel").subscribers
@@ -683,14 +683,14 @@ def test_a_hundred_opens_and_closes_leave_nothing_behind(feed, publish):
         laser.close()
 
     def in_use():
-        gc.collect()  # rospy leaves what it polls its sockets with to the collector
+        gc.collect()  # rospy leaves the poll objects of its sockets to the garbage collector
         return threading.active_count(), len(os.listdir("/proc/self/fd"))
 
     once()
     before = in_use()
     for _ in range(100):
         once()
-    # The master's own connections to the node come and go; one left by each opening would be 100.
+    # The master's own connections to the node come and go; one leaked by each opening would be 100.
     wait_for(lambda: all(now < then + 8 for now, then in zip(in_use(), before, strict=True)), "no more are in use")
 
 
