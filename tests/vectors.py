@@ -155,7 +155,7 @@ def make_codes() -> list[Any]:
 
 
 def make_rays() -> list[Any]:
-    """The rays of two sweeps (angle of the first, step, number), and for each ray of the second its ray of the first."""
+    """The rays of two sweeps (angle of the first, step, number), and the first sweep's ray for each of the second."""
     circle, front = Sweep(0.0, 2 * pi / 460, 0.1, 30.0, 460), Sweep(-0.5, 0.1, 0.1, 30.0, 10)
     others = [Sweep(0.0, 2 * pi / count, 0.1, 30.0, count) for count in (455, 230)]
     turned = [Sweep(-pi, pi / 180, 0.1, 30.0, 360), Sweep(1.0, -pi / 180, 0.1, 30.0, 360)]

@@ -175,7 +175,7 @@ def spare_pages() -> dict[Screen, list[tuple[Page, Console]]]:
 def pages(
     request: pytest.FixtureRequest, spare_pages: dict[Screen, list[tuple[Page, Console]]]
 ) -> Iterator[list[tuple[Page, Console]]]:
-    """The pages of a test. At its end, consoles are checked, pictures saved if it failed, and all but spare pages closed."""
+    """The pages of a test. At its end: check consoles, save pictures of a failure, close most pages."""
     opened: list[tuple[Page, Console]] = []
     yield opened
     spare = {page for kept in spare_pages.values() for page, _ in kept}

@@ -185,7 +185,7 @@ def test_drawing_again_has_the_browser_lay_out_nothing(plain_page: Callable[...,
 def test_a_scan_is_painted_before_the_page_is_changed_and_only_texts_that_differ_are(
     plain_page: Callable[..., PlainPage], cell: str
 ) -> None:
-    """Text on a canvas makes the browser lay out earlier changes; a new node makes it look for rules with ``:has()``."""
+    """Text on a canvas makes the browser lay out earlier changes; a new node makes it look up rules with ``:has()``."""
     nb = plain_page([cell])
     expect(nb.widget(0).locator(".rw-nearest")).to_have_count(1)
     for i in range(8):

@@ -1,4 +1,4 @@
-"""A kernel that sleeps, hangs or was restarted: widgets that live by steps look old and show since when, as lasers do."""
+"""A kernel that sleeps, hangs or was restarted: widgets that live by steps look old and show since when."""
 
 from __future__ import annotations
 

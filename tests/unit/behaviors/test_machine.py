@@ -1,4 +1,4 @@
-"""State machines: which state is active, what it does, and what a new version keeps. All in simulated time."""
+"""State machines: their active states, their actions, and the states that a new version keeps. In simulated time."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Run:
         self.state = ProgramState(log=[])
 
     def at(self, time: float, **values: Any) -> tuple[str, ...]:
-        """Make a step; returns the active states."""
+        """Make a step; return the active states."""
         known = {"time": time, "variables": self.variables, "state": self.state, **values}
         self.drive = self.machine(**{name: known[name] for name in self.machine.asks_for})
         return self.machine.active
@@ -354,7 +354,7 @@ def test_an_event_that_asks_for_something_new_names_what_to_do(monkeypatch: pyte
 
 
 def bumped(time: float) -> bool:
-    """An event of the notebook, which a test redefines."""
+    """An event of the notebook that a test redefines."""
     return time < 0
 
 
@@ -429,7 +429,7 @@ def forward() -> Drive:
 
 
 def clip(value: float) -> float:
-    """No state, and no event."""
+    """Neither a state nor an event."""
     return max(value, 1)
 
 
@@ -694,7 +694,7 @@ def test_a_nested_state_is_written_as_in_the_picture_wherever_it_is_told() -> No
     Newer.__name__ = "Walker"
     machine = Machine(Newer)
     machine.adopt(run.machine)
-    assert machine.active_text == "avoid › left + up", "as long as the version before goes on"
+    assert machine.active_text == "avoid › left + up", "while the version before continues"
     run.machine = machine
     run.at(0.1)
     assert machine.note == "the state avoid › turn › left is gone: right takes over"

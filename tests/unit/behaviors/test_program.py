@@ -1,4 +1,4 @@
-"""Programs: what a step gets, what becomes of what it returns, and what a person sees and sets."""
+"""Programs: the arguments of a step, the use of its return value, and the values that the user sees and sets."""
 
 from __future__ import annotations
 
@@ -248,7 +248,7 @@ def test_none_keeps_the_speed_and_zero_follows_the_last_scan(
 def test_a_hand_outranks_a_program_which_goes_on_after_it(
     robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command_watchdog, "HOLD", 3600.0)  # a press ends when it is let go
+    monkeypatch.setattr(command_watchdog, "HOLD", 3600.0)  # a press ends when it is released
 
     @robot.program(rate=50)
     def go():  # type: ignore[no-untyped-def]
@@ -337,7 +337,7 @@ def test_no_speed_follows_the_zero_on_a_topic_that_is_left(
 
 @pytest.fixture
 def hanging_log() -> Iterator[threading.Event]:
-    """While the event is not set, whoever logs hangs."""
+    """Yield while every logging thread hangs; set the event to end that."""
     gate, handler = threading.Event(), logging.Handler()
     handler.emit = lambda record: None if gate.wait(120) else record  # type: ignore[method-assign]
     logging.getLogger("robowidgets").addHandler(handler)
@@ -482,7 +482,7 @@ def test_integers_stay_integers_in_variables(robot: Feed) -> None:
     variables.set("turns", 0.5)
     assert value("turns") == (float, 0.5)
     variables.set("turns", 2)
-    assert value("turns") == (int, 2), "a number that was whole is so again"
+    assert value("turns") == (int, 2), "a number that was whole is whole again"
     with pytest.raises(TypeError, match="turns: expected a number, got True"):
         variables.set("turns", True)
     variables.slider("rooms", 3, 1, 9)

@@ -1,4 +1,4 @@
-"""The time that a program counts: that in which it could make steps."""
+"""The time of a program counts only while it can make steps."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def script() -> Scripted:
 
 @pytest.fixture
 def robot(script: Scripted, hand: Hand, monkeypatch: pytest.MonkeyPatch) -> Iterator[Feed]:
-    """A robot whose programs count by a clock that the test moves."""
+    """A robot whose programs use a clock that the test moves."""
     monkeypatch.setattr("robowidgets.behaviors.program.StepClock", lambda _now: StepClock(hand))
     with Feed(script) as feed:
         yield feed

@@ -46,7 +46,7 @@ from . import dds_robot
 from .bursts import EVERY, record_bursts
 from .ears import Ears
 
-# Several test runs on a machine do not hear each other. From domain 102 on, others on Linux may have taken the ports.
+# Test runs on one machine must not hear each other. From domain 102 on, other programs on Linux may use the ports.
 DOMAIN = 60 + os.getpid() % 42
 SCAN = "sensor_msgs/msg/LaserScan"
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
@@ -80,14 +80,14 @@ class Robot:
         return not self._told.empty()
 
     def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
-        """Let it tell what it hears on a topic from now on."""
+        """Make it report the messages of a topic from now on."""
         self.do("hear", topic, kind, reliable)
         assert self.heard() == "ready"
 
     def freeze(self) -> None:
-        """Let it do nothing any more, without a word to anybody."""
+        """Stop the process without any notice to others."""
         self._process.send_signal(signal.SIGSTOP)
-        # Its threads stop one after the other; the last might confirm what came meanwhile.
+        # Its threads stop one after the other; the last might confirm messages that come meanwhile.
         os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOWAIT)
 
     def kill(self) -> None:
@@ -105,7 +105,7 @@ class Robot:
 
 @pytest.fixture
 def start() -> Iterator[Callable[..., Robot]]:
-    """Starts robots, which end with the test, also with one that fails."""
+    """Starts robots, which end with the test, also if it fails."""
     robots: list[Robot] = []
 
     def start_one(lease: str = "10s") -> Robot:
@@ -151,12 +151,12 @@ def publish_until(robot: Robot, condition: Any, what: str, *message: Any, second
 
 
 def memory() -> int:
-    """Bytes that this process holds."""
+    """The memory of this process, in bytes."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
 def udp_addresses() -> set[tuple[str, int]]:
-    """Addresses and ports of the UDP sockets that this process has."""
+    """Addresses and ports of the UDP sockets of this process."""
     links = [os.path.realpath(f"/proc/self/fd/{number}") for number in os.listdir("/proc/self/fd")]
     own = {link.partition("socket:[")[2].rstrip("]") for link in links if "socket:[" in link}
     rows = [line.split() for line in Path("/proc/net/udp").read_text().splitlines()[1:]]
@@ -217,7 +217,7 @@ def test_events_that_come_at_once_all_come(dds: Dds, heard: Ears, robot: Robot) 
     go_on.set()
 
     def bumps() -> list[float]:
-        # One that was published before may come late.
+        # One published before may come late.
         return [message.linear.x for topic, message in heard.messages if topic == "/bump" and message.linear.x]
 
     wait_for(lambda: len(bumps()) == 3, "all three came")
@@ -270,7 +270,7 @@ def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: E
 
 
 def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Ears) -> None:
-    # Cyclone DDS writes no such bytes: they come from others who do not describe their types, as ROS 2 up to Jazzy.
+    # Cyclone DDS writes no such bytes: they come from publishers that do not describe their types, as ROS 2 to Jazzy.
     session = _dds_session.DdsSession(DOMAIN, heard)
     whole = encode("cdr", TWIST, {"linear": {"x": 0.5}})
     samples = [[opaque(TWIST)(whole[:-9])], [opaque(TWIST)(whole)]]
@@ -308,7 +308,7 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
     came = [(topic, len(message.data) if topic == "/image" else 0) for topic, message in heard.messages]
     assert came.index(("/image", 100_000_000)) > 10, "scans came while it was under way"
     heard.messages.clear()
-    # What was freed in small pieces may stay with the process: as much as one of them, but not two.
+    # Small freed pieces may stay with the process: as much as one message, but not two.
     wait_for(lambda: memory() < before + 150e6, "the memory is given back")
 
 
@@ -352,7 +352,7 @@ def test_a_subscriber_that_does_not_keep_up_delays_nothing(dds: Dds, heard: Ears
     robot.hear("/cmd_vel", "TwistStamped")
     wait_for(lambda: heard.topics, "the topic is known")
     robot.freeze()
-    for _ in range(5):  # one that waited for it would be an error
+    for _ in range(5):  # a call that waited for it would be an error
         twist = {"linear": {"x": 0.25}}
         dds.publish("/cmd_vel", STAMPED, {"header": {"frame_id": "x" * 1_000_000}, "twist": twist})
 
@@ -433,7 +433,7 @@ def test_subscribers_of_two_types_match_before_the_first_message(
     other.hear("/of_two_types", "TwistStamped", False)
     wait_for(lambda: [one.name for one in heard.topics or ()].count("/of_two_types") == 2, "both are known")
     dds.publish("/of_two_types", TWIST, {"linear": {"x": 0.25}})
-    monkeypatch.setattr(_dds_session, "_SETTLING", 1000.0)  # what waits from now on, waits for too long
+    monkeypatch.setattr(_dds_session, "_SETTLING", 1000.0)  # messages that wait from now on wait too long
     dds.publish("/of_two_types", STAMPED, {"twist": {"linear": {"x": 0.25}}})
     assert other.heard()["twist"]["linear"]["x"] == 0.25
 
@@ -450,7 +450,7 @@ def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
         wait_for(
             lambda: Advert("/retyped", STAMPED, False, True, (), ()) in feed.connection.adverts, "the other is known"
         )
-        for wait in ("_MATCHING", "_SETTLING"):  # what waits from now on, waits for too long
+        for wait in ("_MATCHING", "_SETTLING"):  # messages that wait from now on wait too long
             monkeypatch.setattr(_dds_session, wait, 1000.0)
         feed.drive(0.25)
         feed.stop()
@@ -474,7 +474,7 @@ def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Robot) -> None:
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": number}})
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
         dds.close()
-        while robot.heard()["linear"]["x"]:  # zero may take the place of the speed before it
+        while robot.heard()["linear"]["x"]:  # zero may replace the speed before it
             pass
 
 
@@ -520,7 +520,7 @@ def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     again = start()
     again.do("hear", "/cmd_vel", "Twist", reliable)
-    told = [again.heard(), again.heard()]  # zero may come before it says that it is ready
+    told = [again.heard(), again.heard()]  # zero may come before it reports that it is ready
     told.remove("ready")
     assert told[0]["linear"]["x"] == 0.0
 
@@ -555,7 +555,7 @@ def test_closing_does_not_wait_for_long_for_a_message_that_is_handed_on(
     dds.follow(frozenset({"/scan"}))
     publish_until(robot, held.is_set, "it is busy", "/scan", "LaserScan", [1.0], 0.5)
     dds.close()
-    assert not go_on.is_set(), "closed before the message was handed on"
+    assert not go_on.is_set(), "closed before the message was delivered"
     go_on.set()
 
 
@@ -693,7 +693,7 @@ def test_on_loopback_it_sends_from_there_and_listens_everywhere(heard: Ears) -> 
     ours = udp_addresses() - before
     dds.close()
     assert {address for address, _ in ours} == {"0.0.0.0", "127.0.0.1"}
-    first = 7400 + 250 * DOMAIN  # as the documentation of the feed has it
+    first = 7400 + 250 * DOMAIN  # as in the documentation of the feed
     assert all(first <= port < first + 250 for address, port in ours if address == "0.0.0.0")
 
 
@@ -738,7 +738,7 @@ def test_twenty_opens_and_closes_leave_no_thread_no_socket_and_no_memory() -> No
     for _ in range(20):
         open_and_close()
     assert len(os.listdir("/proc/self/fd")) <= files
-    # One that was joined has done its work, but the system may not have ended it yet.
+    # A joined thread has done its work, but the system may not have ended it yet.
     wait_for(lambda: len(os.listdir("/proc/self/task")) <= threads, "every thread has ended")
     gc.collect()
     assert [ref for ref in there if ref() is not None] == []
@@ -779,7 +779,7 @@ def test_an_address_that_no_interface_has_is_told_with_the_interfaces_there_are(
 def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     heard: Ears, start: Callable[..., Robot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert _dds_session.ALONE + 0.5 < 2.0, "the longest wait for a change comes on top"
+    assert _dds_session.ALONE + 0.5 < 2.0, "plus the longest wait for a change"
     monkeypatch.setattr(_dds_session, "ALONE", 0.5)
     dds = Dds(DOMAIN, interface="lo")
     dds.open(heard)
@@ -790,7 +790,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
         f"{first} to {first + 249}? On 'lo' only this machine is heard."
     )
     wait_for(lambda: heard.topics == [], "then the topics count as known")
-    robot = start(lease="1s")  # after which others miss it, not after Cyclone's ten seconds
+    robot = start(lease="1s")  # after which others drop it, not after Cyclone's ten seconds
     publish_until(robot, lambda: heard.topics, "the robot is found", "/scan", "LaserScan", [1.0], 0.5)
     assert heard.nobody == ""
     robot.kill()
@@ -851,7 +851,7 @@ def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(robot:
                 assert robot.heard()["linear"]["x"] == 0.25
                 if is_other:
                     wait_for(lambda: told in feed.drive_status, "it is told")
-                else:  # a writer that is made later is known later
+                else:  # a writer that is created later is discovered later
                     robot.do("write", "/after", "Twist", 0.5)
                     wait_for(lambda: any(topic.name == "/after" for topic in feed.topics), "a later one is known")
                     assert told not in feed.drive_status
@@ -919,7 +919,7 @@ def test_the_system_is_asked_for_room_for_what_comes_while_python_is_busy(
     with closing(Dds(DOMAIN + 1, interface=interface)) as dds:
         dds.open(heard)
         wait_for(lambda: heard.connected, "it is connected")
-        assert max(buffers()) == 2 * min(most, 16 * 2**20), "Linux counts twice what was asked for"
+        assert max(buffers()) == 2 * min(most, 16 * 2**20), "Linux counts twice the requested size"
     if interface is None:
         monkeypatch.setenv("CYCLONEDDS_URI", '<Internal><SocketReceiveBufferSize max="100kB"/></Internal>')
         gc.collect()
@@ -952,7 +952,7 @@ def test_what_does_not_fit_into_the_queue_is_counted(
         robot.do("burst", "/scan", "LaserScan", [2.0] * 50)
         assert robot.heard() == "written"
         go_on.set()
-        if full == "_DEEPEST":  # how many DDS itself replaced is not known
+        if full == "_DEEPEST":  # the number that DDS itself replaced is unknown
             wait_for(lambda: heard.missed["/scan"] >= 1, "it is told")
             return
         wait_for(lambda: heard.missed["/scan"] >= 30, "the rest is counted")

@@ -29,9 +29,9 @@ Driven = Callable[..., tuple[Feed, Scripted]]
 
 @pytest.fixture
 def driven(monkeypatch: pytest.MonkeyPatch) -> Iterator[Driven]:
-    """Opens feeds on a script, which wait for somebody who listens for a moment only, and closes them.
+    """Opens feeds on a script, with a short wait for subscribers, and closes them.
 
-    Their speeds hold for long where a test names no hold: a busy machine may send one late.
+    Their speeds hold long, unless a test names a hold: a busy machine may send one late.
     """
     monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
     there: list[Feed] = []
@@ -119,7 +119,7 @@ def test_the_message_is_the_one_that_the_robot_listens_to(driven: Driven, there:
 
 
 def taking(script: Scripted, kind: str, error: Exception) -> Callable[..., None]:
-    """A `publish` of the script that takes this type only."""
+    """Return a `publish` of the script that takes this type only."""
     publish = script.publish
 
     def picky(topic: str, given: str, message: Mapping[str, Any]) -> None:
@@ -251,7 +251,7 @@ def test_a_speed_that_could_not_be_sent_leaves_the_zero_that_was_owed(driven: Dr
 
 
 def refused(feed: Feed) -> bool:
-    """Whether a speed is refused: not where another one was sent just before, for it waits."""
+    """Return True if a speed is refused. Just after another one it is not: it waits."""
     try:
         feed.drive(0.2)
     except FeedError:
@@ -399,7 +399,7 @@ def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(d
     script.deaf = False
     script.listener.on_connected()
     wait_for(lambda: len(script.sent) == 3, "zero is sent")
-    assert [topic for topic, _, _ in script.sent] == ["/cmd_vel", "/cmd_vel", "/other"], "first where it moves"
+    assert [topic for topic, _, _ in script.sent] == ["/cmd_vel", "/cmd_vel", "/other"], "first while it moves"
     assert set(script.speeds[1:]) == {(0.0, 0.0)}
 
 
@@ -496,7 +496,7 @@ def test_driving_waits_two_seconds_for_the_robot_and_no_longer(
 
 
 def words_of(feed: Feed) -> str:
-    """Why a speed is not sent; empty if it is."""
+    """Return the reason why a speed is not sent, or an empty text."""
     try:
         feed.drive(0.3)
     except FeedError as error:
@@ -507,7 +507,7 @@ def words_of(feed: Feed) -> str:
 def connects_after(
     attempts: int, script: Scripted, monkeypatch: pytest.MonkeyPatch, now: Callable[[], float] = time.monotonic
 ) -> list[float]:
-    """Have a subscriber connect only after so many attempts to publish; returns the times of all attempts."""
+    """Make a subscriber connect only after so many attempts to publish; return the times of all attempts."""
     publish, tried = script.publish, []
 
     def publish_later(topic: str, message_type: str, message: Mapping[str, Any]) -> None:
@@ -581,12 +581,12 @@ def test_who_drives_on_after_the_computer_slept_is_refused_until_what_came_befor
     feed.stop()
     clock.advance(SETTLE)
     clock.asleep += 3600.0
-    feed.drive(0.3)  # nobody drove before the sleep
+    feed.drive(0.3)  # no program drove before the sleep
     assert [speed for speed, _ in script.speeds if speed] == [0.2, 0.3]
 
 
 class Guarded(Scripted):
-    """A robot that is reached by a guard, which is about to start."""
+    """A robot that is reached through a guard that is about to start."""
 
     def __init__(self) -> None:
         super().__init__(CMD_VEL)
@@ -906,7 +906,7 @@ def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, mon
     feed.drive(0.2)
     wait_for(lambda: refused(feed), "the page is gone")
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "the robot stops")
-    feed.drive(0, 0)  # zero needs none
+    feed.drive(0, 0)  # zero needs no subscriber
     with pytest.raises(TypeError, match="needs_page: expected True or False, got 1"):
         Driving(needs_page=1)  # type: ignore[arg-type]
 

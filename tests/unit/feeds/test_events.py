@@ -1,4 +1,4 @@
-"""The events of a running robot: its topics, and what its program does."""
+"""The events of a running robot: its topics, and the actions of its program."""
 
 from __future__ import annotations
 

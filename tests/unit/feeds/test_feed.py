@@ -44,12 +44,12 @@ def opened() -> Iterator[Opened]:
 
 
 def source(widget: LaserWidget | SpeedWidget) -> dict[str, str]:
-    """What a widget says of its topic, without the random name of its robot."""
+    """The status of a widget, without the random name of its robot."""
     return {name: value for name, value in widget.get_state()["_source"].items() if name != "robot"}
 
 
 def in_a_thread(call: Callable[[], object]) -> None:
-    """As a middleware calls: what goes wrong there is not raised at a person."""
+    """Call as a middleware does: errors there do not reach the user."""
     thread = threading.Thread(target=call)
     thread.start()
     thread.join(120)
@@ -301,7 +301,7 @@ def test_a_subscription_that_fails_does_not_block_the_next(opened: Opened, monke
     assert ("subscribe", "/scan") in script.asked
 
 
-# -- words on the widget -----------------------------------------------------------------------------------------------
+# -- messages on the widget --------------------------------------------------------------------------------------------
 
 
 def test_a_widget_says_what_it_waits_for_and_then_nothing(opened: Opened) -> None:
@@ -565,7 +565,7 @@ def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_l
 
 @contextmanager
 def in_other_hands(lock: Any) -> Iterator[None]:
-    """While it lasts, another thread holds a lock."""
+    """Hold a lock in another thread meanwhile."""
     taken, done = threading.Event(), threading.Event()
 
     def hold() -> None:

@@ -39,7 +39,7 @@ def ears() -> Ears:
 
 
 class Real:
-    """The server of foxglove-sdk, with a channel as foxglove_bridge offers it."""
+    """The server of foxglove-sdk, with a channel like foxglove_bridge offers."""
 
     def __init__(self, port: int = 0, **more: Any) -> None:
         self.context = foxglove.Context()
@@ -67,7 +67,7 @@ def opened(address: str, ears: Ears, *topics: str) -> Foxglove:
 
 
 def log_until(server: Real, ears: Ears, payload: bytes, topic: str = "/scan") -> Any:
-    """Log until a message of a topic comes: when the server has taken a subscription in, it does not tell."""
+    """Log until a message of a topic comes: the server does not report when it has registered a subscription."""
     before = len(ears.of(topic))
 
     def came() -> bool:
@@ -370,7 +370,7 @@ def test_what_piled_up_is_not_read_but_the_newest(ears: Ears, monkeypatch: pytes
         wait_for(lambda: float(ears.messages[-1][1].ranges[0]) == 51.0, "the newest came")
         middleware.close()
     assert len(ears.messages) < 20
-    assert ears.came["/scan"] == 51, "those that were replaced are counted"
+    assert ears.came["/scan"] == 51, "replaced messages are counted"
 
 
 @pytest.mark.parametrize(
@@ -480,7 +480,7 @@ def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: py
 
     def slowly(self: Foxglove, key: tuple[str, str, str], payload: bytes, *, is_zero: bool) -> bytes:
         monkeypatch.setattr(Foxglove, "_frame_on", frame_on)
-        assert told.wait(120)  # as where a busy program leaves no time for it
+        assert told.wait(120)  # as when a busy program leaves no time for it
         return frame_on(self, key, payload, is_zero=is_zero)
 
     with (

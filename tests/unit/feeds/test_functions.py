@@ -1,4 +1,4 @@
-"""Functions that are connected to topics: what they get, and what becomes of those that sleep, hang and raise."""
+"""Functions that are connected to topics: their arguments, and the handling of those that sleep, hang and raise."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Opened = Callable[..., tuple[Feed, Scripted]]
 
 @pytest.fixture
 def gate() -> Iterator[threading.Event]:
-    """What hangs waits for it; it opens at the end."""
+    """An event that hanging functions wait for; it is set at the end."""
     event = threading.Event()
     yield event
     event.set()
@@ -147,7 +147,7 @@ def test_a_function_that_hangs_holds_back_no_speed_no_zero_and_no_widget(opened:
     def behave(_scan: Scan) -> None:
         feed.drive(0.3)
         entered.set()
-        gate.wait()  # so that whatever waited for it would never end
+        gate.wait()  # so that a wait for it would never end
 
     feed.connect("/scan", behave, laser)
     script.listener.on_message("/scan", scan(1.0))
@@ -180,7 +180,7 @@ def test_a_widget_of_a_user_s_class_that_hangs_on_what_is_sent_holds_back_no_zer
     wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero follows")
     gate.set()
     wait_for(lambda: speed.commanded is not None and speed.commanded.linear[0] == 0.0, "it shows what was sent last")
-    assert told == [], "nobody else sends messages"
+    assert told == [], "no other node sends messages"
 
 
 def test_a_bump_and_turn_function_sends_each_of_its_speeds_while_it_sleeps(opened: Opened) -> None:
@@ -435,7 +435,7 @@ def test_the_age_of_a_sample_counts_while_it_waits_for_a_function(opened: Opened
 class TestScans:
     @pytest.fixture(autouse=True)
     def clock(self, monkeypatch: pytest.MonkeyPatch) -> Clock:
-        """The time at which scans come, and by which they grow old. Those who wait for none wait in real time."""
+        """The clock by which scans come and grow old. Waits for scans that do not come take real time."""
         made = Clock()
         for module in ("_core.newest_sample", "samples.age"):
             monkeypatch.setattr(f"robowidgets.{module}.time", made)

@@ -1,4 +1,4 @@
-"""The guard: what it does with what the kernel says, and when it says nothing."""
+"""The guard: its reactions to the kernel, and to the kernel's silence."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_a_damaged_message_is_none(data: bytes) -> None:
 
 
 class Guarded:
-    """A guard by a clock that is moved by hand, and what it told."""
+    """A guard by a clock that is moved by hand, and its reports."""
 
     def __init__(self) -> None:
         self.clock = ManualClock()
@@ -82,7 +82,7 @@ class Guarded:
         return [message["linear"]["x"] for _, _, message in self.robot.sent]
 
     def drive(self, hold: float = HOLD, **changed: Any) -> Any:
-        """Drive forward; what was told of it."""
+        """Drive forward; return the reports."""
         self._number += 1
         now = self.clock.now()
         asked = {"speed": FORWARD, "expires": now + hold, "sent_at": now + self.clock.slept(), "stops": self.stops}
@@ -92,7 +92,7 @@ class Guarded:
         return self.told[-1]
 
     def pass_time(self, seconds: float) -> None:
-        """Let time pass as the process does: it looks when it is due."""
+        """Advance the time as the process does: it checks when a check is due."""
         end = self.clock.now() + seconds
         while (left := end - self.clock.now()) > 0:
             self.clock.advance(min(left, self.guarding.look()))
@@ -258,7 +258,7 @@ def test_a_robot_that_takes_long_for_each_of_several_messages_is_told_as_slow(gu
 
 
 class Played:
-    """A guard that a test plays: what the kernel sends it, and what it says."""
+    """A guard that a test plays: the messages of the kernel, and its answers."""
 
     def __init__(self) -> None:
         self._ours, its = socket.socketpair()
@@ -272,7 +272,7 @@ class Played:
         wait_for(lambda: self.link.is_there, "it is ready")
 
     def hear(self, name: str) -> Sequence[Any]:
-        """Wait for a message of a name; its parts."""
+        """Wait for a message of a name; return its parts."""
         while True:
             while self._heard:
                 came, parts = self._heard.pop(0)
@@ -290,7 +290,7 @@ class Played:
         self.say("done", feed, number, kind, text, "", [])
 
     def asked(self, feed: int, velocity: Velocity) -> Future[Any]:
-        """Have a feed ask for a speed, in a thread of its own; what becomes of it."""
+        """Make a feed request a speed in its own thread; collect the result."""
         future: Future[Any] = Future()
 
         def send() -> None:
@@ -371,7 +371,7 @@ def robot() -> Iterator[Rosbridge]:
 
 @pytest.fixture
 def with_guards() -> Iterator[ExitStack]:
-    """Closes the feeds that are opened, and waits for the end of their guards."""
+    """Closes the opened feeds, and waits for the end of their guards."""
     with ExitStack() as opened:
         yield opened
     wait_for(lambda: not threads_named("robowidgets-guard"), "no guard is left")
@@ -396,20 +396,20 @@ print("no room")
 sys.exit(3)
 """,
 )
-"""Starts a guard that ends as soon as it has said that it is ready."""
+"""Starts a guard that ends as soon as it has reported that it is ready."""
 
 
 def shown_by(feed: feeds.Feed) -> list[float]:
-    """The speeds that a widget of a feed is given."""
+    """The speeds that a widget of a feed gets."""
     shown: list[float] = []
     feed.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]))
-    # Until it is known that nobody else publishes them, they would come by the robot.
+    # Until it is known that no other node publishes them, they would come through the robot.
     wait_for(lambda: [one.offered for one in feed.connection.adverts] == [False], "the publishers are told")
     return shown
 
 
 def wait_for_speeds(robot: Rosbridge, *speeds: float) -> None:
-    """Wait until the robot has these speeds as its last ones; a zero may come again."""
+    """Wait until the last speeds of the robot are these; a zero may come again."""
     wait_for(lambda: tuple(_changes(robot)[-len(speeds) :]) == speeds, f"{speeds} come")
 
 
@@ -443,7 +443,7 @@ def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last_and_see_each_o
     told = ("another feed of this kernel drives the robot, too", "")
 
     def is_seen() -> bool:
-        if feed.drive_status:  # this process stood still for so long that the guard stopped the robot
+        if feed.drive_status:  # this process was paused for so long that the guard stopped the robot
             feed.stop()
         with suppress(FeedError):
             feed.drive(0.1)
@@ -511,7 +511,7 @@ def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero_which_othe
     pid = guard.pid
     os.kill(pid, signal.SIGSTOP)
     os.waitid(os.P_PID, pid, os.WSTOPPED | os.WNOWAIT)
-    with suppress(FeedError):  # "zero follows", where that takes more than a second
+    with suppress(FeedError):  # "zero follows", if it takes more than a second
         feed.stop()
     wait_for_speeds(robot, 0.3, 0.0)
     wait_for(lambda: shown[-1] == 0.0, "the other one shows zero")
@@ -601,7 +601,7 @@ def test_a_guard_imports_the_standard_library_whatever_lies_in_the_folder_of_the
 ) -> None:
     for name in ("types", "json", "selectors"):
         (tmp_path / f"{name}.py").write_text("raise RuntimeError('of the user')")
-    monkeypatch.syspath_prepend(tmp_path)  # as a host does that names the folder
+    monkeypatch.syspath_prepend(tmp_path)  # as hosts do that name the folder
     feed, guard = opened(with_guards, robot)
     monkeypatch.chdir(tmp_path)
     os.kill(guard.pid, signal.SIGKILL)

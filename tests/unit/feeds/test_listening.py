@@ -1,4 +1,4 @@
-"""What a feed hears for the list of topics: rates and values while a page looks, and nothing that costs much."""
+"""The rates and values of a feed for the list of topics while a page looks, and their low cost."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def feed(script: Scripted, clock: ManualClock) -> Iterator[Feed]:
 
 
 class Looking:
-    """A page that looks at the list of topics of a robot."""
+    """A page that shows the list of topics of a robot."""
 
     def __init__(self, feed: Feed, monkeypatch: pytest.MonkeyPatch, *shown: str) -> None:
         self.view = feed.show(*shown)
@@ -56,7 +56,7 @@ class Looking:
         self.view.topic_list._on_page(None, {"look": [*names]}, None)
 
     def says(self, name: str) -> dict[str, Any]:
-        """What the page was told of a topic last: in words, how often, how many."""
+        """The last report of a topic to the page: its text, its rate, its count."""
         last = self.told[-1]
         return {"value": last["values"].get(name), **last["now"].get(name, {})}
 
@@ -129,7 +129,7 @@ def test_two_views_of_a_list_each_have_what_they_show(script: Scripted, page: Lo
     assert page.says("/temperature")["value"] == "21.5"
     look("other")
     clock.advance(PERIOD)
-    assert page.says("/temperature")["value"] == "21.5", "also where the other is scrolled away"
+    assert page.says("/temperature")["value"] == "21.5", "also if the other is scrolled out of view"
     look("one", "/scan")
     clock.advance(PERIOD)
     assert page.says("/temperature") == {"value": None}
@@ -144,7 +144,7 @@ def test_two_views_of_a_list_each_have_what_they_show(script: Scripted, page: Lo
     clock.advance(SEEN_FOR / 2)
     look("other", "/scan")
     clock.advance(PERIOD)
-    assert page.says("/temperature") == {"value": None}, "a page that is gone looks no longer"
+    assert page.says("/temperature") == {"value": None}, "a closed page no longer looks"
 
 
 def test_large_topics_are_glanced_at_one_after_the_other_for_a_few_messages(
@@ -225,7 +225,7 @@ def test_a_large_topic_is_silent_once_a_whole_glance_has_missed_it(
 def test_who_comes_late_gets_what_a_publisher_keeps_and_nothing_old_of_a_sensor(
     feed: Feed, script: Scripted, clock: ManualClock
 ) -> None:
-    """The list listens to everything, so that whatever is connected then is not the first to ask."""
+    """The list listens to everything, so that a later connection is not the first to ask."""
     grid = {"info": {"width": 2, "height": 1}, "data": [0, 100]}
     for name in ("/map", "/scan", "/temperature"):
         feed.connect(name, MessageWidget())
@@ -242,7 +242,7 @@ def test_who_comes_late_gets_what_a_publisher_keeps_and_nothing_old_of_a_sensor(
     wait_for(lambda: bool(got), "the function is called")
     assert (got, kept["data"], scanned.message, warm.message) == ([grid], [0, 100], None, None)
 
-    for _ in range(3):  # another map now and then is kept, too; many are no map that somebody keeps
+    for _ in range(3):  # another map now and then is kept, too; many are not maps that a program needs
         script.listener.on_message("/map", {"data": [100]})
         clock.advance(RARE * 2)
     late = MessageWidget()
@@ -305,7 +305,7 @@ def test_messages_that_newer_ones_replaced_count_for_the_rates_of_list_and_card(
     feed.connect("/scan", card)
     page.look("/scan", "/imu")
     clock.advance()
-    for _ in range(100):  # each has replaced four others: 200 in a second
+    for _ in range(100):  # each has replaced four others: 200 per second
         for name, message in (("/scan", scan(0.5)), ("/imu", {"data": 1.0})):
             script.listener.on_message(name, message, replaced=4)
         clock.advance(0.025)

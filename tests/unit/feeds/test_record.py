@@ -1,4 +1,4 @@
-"""Recording a feed: a file that other tools read, whatever the middleware, and that holds up nobody."""
+"""Recording a feed: a file that other tools read, from every middleware, without delaying other work."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def test_a_run_opens_here_and_in_other_tools_with_its_states_and_the_text_of_its
     assert [span.name for span in outer[:4]] == ["forward", "avoid", "forward", "avoid"]
     assert all(before.end == after.start for before, after in pairwise(outer))
     seconds = [span.end - span.start for span in outer if span.name == "forward"]
-    assert any(one == pytest.approx(0.1, abs=0.08) for one in seconds), seconds  # a stall of the machine blurs one
+    assert any(one == pytest.approx(0.1, abs=0.08) for one in seconds), seconds  # a pause of the machine blurs one
     inner = next(span for span in states if span.path == "Nested.avoid.stop")
     assert inner.start == outer[1].start
     rows = rows_of(states)

@@ -27,7 +27,7 @@ def clock() -> ManualClock:
 
 
 def played(path: Path, clock: ManualClock, speed: float) -> Feed:
-    """A feed of a recording that is played while the clock is moved."""
+    """A feed of a recording that is played by moving the clock."""
     return Feed(Played(RecordingData(path), speed, False, clock))
 
 

@@ -52,10 +52,10 @@ def heard() -> Ears:
 
 
 THREADS = ("robowidgets-ros2", "robowidgets-drive")
-"""Those that wait elsewhere than by a clock that is moved by hand."""
+"""Threads that wait elsewhere than by the clock that is moved by hand."""
 
 NEVER = 1000.0
-"""In place of seconds: a test in which they are waited for fails by its time-out."""
+"""Replaces waits of seconds: a test that really waits this long fails by its time-out."""
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def ros2(graph: Graph, heard: Ears) -> Iterator[Ros2]:
 
 
 def look_no_more(ros2: Ros2, heard: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Return once a middleware has looked at the topics for the last time, and waits until something is asked of it."""
+    """Return once a middleware has looked at the topics for the last time, and waits for a request."""
     wait_for(lambda: heard.topics, "the topics are known")
     spin, idle = SingleThreadedExecutor.spin_once, threading.Event()
 
@@ -83,7 +83,7 @@ def look_no_more(ros2: Ros2, heard: Ears, monkeypatch: pytest.MonkeyPatch) -> No
 
 
 class Spun:
-    """A node in the hands of an executor that spins in a thread of its own, as a program's does."""
+    """A node in an executor that spins in its own thread, as in a program."""
 
     def __init__(self, node: Any) -> None:
         self.node = node
@@ -133,13 +133,13 @@ def offer(graph: Graph, topic: str, kind: str, qos: Any = None) -> Any:
 
 
 def subscriptions(graph: Graph) -> list[Any]:
-    """Those of the product."""
+    """The nodes of the product."""
     nodes = [node for node in list(graph.nodes) if node.context in graph.contexts]
     return [s for node in nodes for s in list(node.subscriptions)]
 
 
 def subscribed(ros2: Ros2, graph: Graph, topic: str) -> Any:
-    """The subscription to a topic, once whoever publishes it knows it."""
+    """The subscription to a topic, once its publisher knows it."""
     ros2.follow(ros2._wanted | {topic})
     wait_for(lambda: any(s.topic_name == topic and s.others() for s in subscriptions(graph)), "it subscribed")
     return next(s for s in subscriptions(graph) if s.topic_name == topic)
@@ -167,7 +167,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     module = sys.modules[Ros2.__module__]
     assert module.ALONE + EARLY_LOOK < 2.0
     monkeypatch.setattr(module, "ALONE", 0.3)
-    offer(graph, "/rosout", "rcl_interfaces/msg/Log")  # as every node has, also a program of this machine
+    offer(graph, "/rosout", "rcl_interfaces/msg/Log")  # as every node has, also a program on this machine
     ros2 = Ros2(domain_id=7)
     ros2.open(heard)
     wait_for(lambda: heard.nobody or heard.topics is not None, "it is told")
@@ -436,7 +436,7 @@ def test_every_message_arrives_though_no_other_comes(
 
 @pytest.fixture(params=["alone", "spun by its program", "of a context that was shut down", "destroyed"])
 def node(graph: Graph, request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A node of the program's, or none; once a feed is open, `node.befall` happens to it."""
+    """A node of the program's, or none; once a feed is open, the test does `node.befall` to it."""
     node = graph.node("mine")
     node.befall = lambda: None
     if request.param == "alone":
@@ -708,7 +708,7 @@ def test_a_zero_after_an_interrupt_that_ended_all_of_rclpy_arrives(
         ros2.publish("/cmd_vel", TWIST, FORWARD)
         wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
         for context in graph.contexts:
-            context.interrupt()  # the robot is another process
+            context.interrupt()  # the robot is in another process
         ros2.publish("/cmd_vel", TWIST, ZERO)
         wait_for(lambda: robot.speeds[-1] == 0.0, "the robot stops")
 
@@ -790,7 +790,7 @@ def test_a_speed_with_which_the_robot_was_found_again_owes_no_earlier_zero(
     wait_for(is_published, "the robot is found again")
     connected, topics = heard.connected, heard.topics
     wait_for(lambda: heard.topics is not topics, "it looks again")
-    assert heard.connected == connected, "else zero would follow the speed"
+    assert heard.connected == connected, "otherwise zero would follow the speed"
 
 
 @pytest.mark.parametrize("reliability", list(ReliabilityPolicy)[1:3])

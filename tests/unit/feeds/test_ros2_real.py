@@ -1,4 +1,4 @@
-"""The feed of rclpy on the real one, wherever that is installed."""
+"""The feed of rclpy on the real rclpy, if that is installed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SCAN = "sensor_msgs/msg/LaserScan"
 
 @pytest.fixture
 def robot() -> Iterator[Any]:
-    """A node in a context of its own, spun in a thread."""
+    """A node in its own context, spun in a thread."""
     context = Context()
     rclpy.init(args=[], context=context, domain_id=DOMAIN, signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("robot", context=context)

@@ -38,19 +38,19 @@ def ears() -> Ears:
 
 @pytest.fixture
 def in_json(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where cbor2 is not installed."""
+    """Without cbor2, as if it were not installed."""
     monkeypatch.setitem(sys.modules, "cbor2", None)
 
 
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Questions for topics follow each other quickly, but leave a busy machine time for the answers."""
+    """Requests for topics follow each other quickly, but leave a busy machine time for the answers."""
     monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_POLL", 0.3)
 
 
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Answers may take as long as a busy machine needs for them."""
+    """Answers may take as long as a busy machine needs."""
     for limit in ("_websocket.SEND_TIMEOUT", "_websocket._GOODBYE", "_threaded.CLOSE_TIMEOUT"):
         monkeypatch.setattr(f"robowidgets.feeds.{limit}", 120.0)
 
@@ -394,7 +394,7 @@ def test_a_speed_is_published_as_the_robots_ros_writes_it(
         wait_for(lambda: ears.topics, "the topics were told")
         speed = {"header": {"stamp": {"sec": 1, "nanosec": 2}}, "twist": {"linear": {"x": 0.25}}}
         middleware.publish("/cmd_vel", STAMPED, speed)
-        middleware.close()  # what was published before is still sent
+        middleware.close()  # messages published before are still sent
         wait_for(lambda: server.published, "it came")
     assert server.advertised == {"/cmd_vel": sent}
     assert server.published == [("/cmd_vel", {"header": {"stamp": stamp}, "twist": {"linear": {"x": 0.25}}})]
@@ -481,7 +481,7 @@ def test_raw_messages_are_objects_with_arrays_as_those_of_every_middleware(
     np.testing.assert_array_equal(scanned.ranges, np.array([1.5, np.nan, 2.0], np.float32))
     assert (scanned.ranges.dtype, scanned.__msgtype__) == (np.float32, SCAN)
     assert (image.data.dtype, image.data.tolist(), image.step) == (np.uint8, [0, 1, 2], 3)
-    # Of a type that nobody here knows, the names are kept.
+    # Only the field names of a type that no package here defines are kept.
     np.testing.assert_array_equal(own_message.inner.numbers, [1.0, np.nan, 2.5])
     assert own_message.inner.count.tolist() == [1, 2]
     assert (own_message.inner.words, own_message.inner.on, own_message.void) == (["a"], [True], [])

@@ -60,7 +60,7 @@ def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(clock: Manu
         clock.advance(0.05)
         assert robot.command().values[::5] == (-0.25, 0.5)
         clock.advance(0.1)
-        assert robot.command().values[::5] == (0.0, 0.0), "nobody renews the speed"
+        assert robot.command().values[::5] == (0.0, 0.0), "no program renews the speed"
         clock.advance(real_time.LET_GO - 0.1)
         assert robot.command().values[::5] == (0.0, 0.0)
         clock.advance(0.1)

@@ -1,4 +1,4 @@
-"""One Stop for several robots: of DDS, of Foxglove and simulated, with one that cannot be reached."""
+"""One Stop for several robots: on DDS, on Foxglove and simulated, and one that cannot be reached."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .scripted import CMD_VEL, Scripted
 
 @pytest.fixture
 def opened() -> Iterator[ExitStack]:
-    """Closes what is opened in it."""
+    """Closes what a test opens."""
     with ExitStack() as stack:
         yield stack
 
@@ -32,7 +32,7 @@ def scripted(opened: ExitStack, **options: Any) -> tuple[Feed, Scripted]:
 
 
 class Hangs(Scripted):
-    """One whose `publish` does not return before it is let go."""
+    """A middleware whose `publish` does not return until it is released."""
 
     def __init__(self) -> None:
         super().__init__(CMD_VEL)

@@ -28,7 +28,7 @@ Opened = Callable[..., tuple[Feed, Scripted]]
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
-    """Opens feeds on a script, which wait in vain for a moment only, and closes them."""
+    """Opens feeds on a script, with a short wait for subscribers that never come, and closes them."""
     monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 0.02)
     there: list[Feed] = []
 
@@ -237,7 +237,7 @@ def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() 
             "rw-smalls": low,
             "rw-wides": ["View", "LaserWidget"],
         }
-        assert view.children[-1] is before, "what stays on the page keeps its place"
+        assert view.children[-1] is before, "everything on the page keeps its place"
         screen, room = before, view.room
         assert room is not None
         view.close()
@@ -271,7 +271,7 @@ def test_speeds_are_planar_for_as_long_as_the_other_axes_are_zero_and_nobody_say
     assert by_hand.widgets["/odom"].planar
     view.widgets["/odom"].planar = True
     script.listener.on_message("/odom", climbing)
-    assert view.widgets["/odom"].planar, "now it is the user's"
+    assert view.widgets["/odom"].planar, "now the user owns it"
     commanded = feed.show()
     script.listener.on_message("/cmd_vel", climbing)
     assert not commanded.widgets["/odom"].planar

@@ -26,14 +26,14 @@ from .ears import Ears
 from .fox import OldFoxglove, cdr, channel
 from .servers import Server, free_port
 
-# A connection does the same whatever is spoken on it: here it is foxglove.
+# A connection behaves the same with every protocol: here it is foxglove.
 
 TICK = 1 / 1024
-"""Seconds of which times are added without rounding."""
+"""Seconds, for times that add without rounding."""
 
 TWIST = "geometry_msgs/msg/Twist"
 TAKES: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
-"""What a server says that takes messages."""
+"""The greeting of a server that takes messages."""
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def scanning(ears: Ears) -> Iterator[tuple[OldFoxglove, Foxglove]]:
 
 
 class Raw:
-    """A listening socket whose connections are handed to a function, in a thread of their own each."""
+    """A listening socket that passes each connection to a function in its own thread."""
 
     def __init__(self, answer: Callable[[socket.socket], object]) -> None:
         self._listening = socket.create_server(("127.0.0.1", 0))
@@ -221,9 +221,9 @@ def taking(ears: Ears, clock: ManualClock) -> Iterator[tuple[OldFoxglove, Foxglo
 
 
 def late(middleware: Foxglove, clock: ManualClock, fields: dict[str, Any]) -> Exception | None:
-    """What is said of a message that is published, but not taken or answered until `SEND_TIMEOUT` has passed.
+    """Return the error of a message that is published, but not taken or answered until `SEND_TIMEOUT` has passed.
 
-    None where it was taken without any time.
+    None if it was taken at once.
     """
     errors: list[Exception] = []
 
@@ -266,7 +266,7 @@ def test_a_zero_that_a_new_publisher_of_the_bridge_may_lose_is_repeated_unless_a
     middleware.publish("/other/cmd_vel", TWIST, zero)
     middleware.publish("/other/cmd_vel", TWIST, speed)
     clock.advance(0.6)
-    middleware.publish("/cmd_vel", TWIST, zero)  # it comes behind all that was sent before
+    middleware.publish("/cmd_vel", TWIST, zero)  # it comes after everything sent before
     assert sent(server) == [zero, zero, zero, zero, speed, zero]
 
 
@@ -283,7 +283,7 @@ def test_to_a_robot_that_does_not_answer_a_zero_is_sent_and_said_not_to_be_answe
 
 
 def refusal(middleware: Foxglove, fields: dict[str, Any]) -> str:
-    """Why something could not be published; empty when it could."""
+    """The reason why something could not be published, or an empty text."""
     try:
         middleware.publish("/cmd_vel", TWIST, fields)
     except FeedError as error:
@@ -312,7 +312,7 @@ def test_its_silence_counts_from_the_first_speed_without_an_answer_and_is_told_u
     taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch, clock: ManualClock
 ) -> None:
     server, middleware = taking
-    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1000.0)  # no ping but those of speeds
+    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1000.0)  # only the pings of speeds
     clock.advance(1.0)  # to the end of the interval that began before
     wait_for(lambda: not _unanswered(middleware), "it answered")
     assert refusal(middleware, {"linear": {"x": 1.0}}) == ""
@@ -352,7 +352,7 @@ def test_a_connection_that_ends_while_it_is_silent_is_told_by_its_end_alone(
 
 
 def _unanswered(middleware: Foxglove) -> bool:
-    """Whether it is not connected, or a ping waits for its answer."""
+    """True if it is not connected, or a ping waits for its answer."""
     return middleware._socket is None or not middleware._socket.is_open or bool(middleware._socket._unanswered)
 
 
@@ -383,7 +383,7 @@ def follow(server: OldFoxglove, middleware: Foxglove, clock: ManualClock) -> Non
 
 
 PONG = 0xA
-"""Of RFC 6455."""
+"""The accept key of RFC 6455."""
 
 
 def pong_of(server: OldFoxglove) -> Callable[[bytes], object]:
@@ -393,7 +393,7 @@ def pong_of(server: OldFoxglove) -> Callable[[bytes], object]:
 
 @pytest.fixture
 def hung(taking: tuple[OldFoxglove, Foxglove], clock: ManualClock) -> Iterator[tuple[OldFoxglove, Foxglove]]:
-    """A server that still sends scans, and pongs to what it read before, but reads one more message and no ping."""
+    """A server that still sends scans, and pongs for messages read before, but reads one more message and no ping."""
     server, middleware = taking
     follow(server, middleware, clock)
     pings: list[bytes] = []
@@ -577,7 +577,7 @@ def test_a_server_that_is_no_websocket_server_is_told(
         wait_for(lambda: (is_mute and clock.advance(1.0)) or ears.lost, "it gave up")
         close(middleware, clock)
     told = f"{server.address} cannot be connected to: {words}"
-    # Tornado before 6.6, the newest for Python 3.10, waits on where no HTTP comes.
+    # Tornado before 6.6, the newest for Python 3.10, keeps waiting if no HTTP comes.
     silent = f"no answer from {server.address} within 5 s"
     assert ears.lost[0].startswith((told, silent) if is_mute else told)
     assert ears.connected == 0
@@ -665,7 +665,7 @@ def test_twenty_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears: E
 
 
 class TickingClock(RealClock):
-    """A clock by which it takes half a millisecond to look at it."""
+    """A clock whose reading takes half a millisecond."""
 
     def __init__(self) -> None:
         self._looks = itertools.count()
@@ -694,7 +694,7 @@ def test_frames_that_wait_hold_up_every_other_call_in_the_thread_for_five_millis
         server.log(1, last)
         wait_for(lambda: float(ears.messages[-1][1].ranges[0]) == 7.0, "all are read")
         middleware.close()
-    # They are decoded by a call like any other: some ten frames were read between two of these.
+    # They are decoded in a call like any other: about ten frames were read between two of these.
     assert len(ears.messages) > 12
 
 

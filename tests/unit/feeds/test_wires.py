@@ -1,4 +1,4 @@
-"""The wires of a feed: who publishes what, rates and values, the notebook's part, and what it costs the robot."""
+"""The wires of a feed: publishers, rates and values, the notebook's part, and the cost for the robot."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_rates_and_values_come_while_somebody_looks_and_cost_nothing_after(
     assert (script.asked, script.asks_for_nodes) == ([], False)
     wires.look(True)
     clock.advance()
-    # A picture is large: a glance at it has to do. And nobody reads in a line what every node has.
+    # A picture is large: one look at it has to be enough. Topics that every node has are not worth a line.
     assert (set(script.asked), script.asks_for_nodes) == ({("subscribe", "/scan"), ("subscribe", "/image")}, True)
     for _ in range(11):
         script.listener.on_message("/scan", scan(0.9, 0.5))

@@ -1,4 +1,4 @@
-"""Which zeros are published again, and when."""
+"""Repeated zeros: which ones are published again, and when."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..clocks import ManualClock
 
 
 class Sent:
-    """A topic with subscribers, on which a speed and a zero were published, and when zero is due again."""
+    """A topic with subscribers and a published speed and zero; the time at which zero is due again."""
 
     def __init__(self, subscribers: int = 1) -> None:
         self.clock = ManualClock(0.0)
@@ -20,7 +20,7 @@ class Sent:
         self.zeros.note_zero("/cmd_vel", "Twist", "zero", subscribers)
 
     def due(self, seconds: float, subscribers: int = 1, *, all_confirm: bool = False) -> list[float]:
-        """Look for some seconds; the times at which zero was due."""
+        """Look for some seconds; return the times at which zero was due."""
         times = []
         end = self.clock.now() + seconds
         while self.clock.now() < end:

@@ -64,7 +64,7 @@ def test_a_search_for_the_same_reads_no_recording_again_unless_it_changed(runs: 
     hits = find(NEAR, runs, executor=first)
     again = find(conditions.nearest_below(0.3), runs, executor=second)
     assert (len(first.ran), rows(again)) == (4, rows(hits))
-    assert second.ran == [str(runs / "broken.bag")]  # it may be whole the next time
+    assert second.ran == [str(runs / "broken.bag")]  # it may be complete the next time
     os.utime(runs / "run_2.mcap", (1, 1))
     find(NEAR, runs, executor=third)
     assert third.ran == [str(runs / "broken.bag"), str(runs / "run_2.mcap")]
@@ -98,7 +98,7 @@ def test_what_cannot_be_kept_is_told_and_loses_nothing(
 def test_a_line_that_was_cut_as_it_was_kept_is_computed_again(runs: Path, own_cache: Path) -> None:
     hits = find(NEAR, runs / "run_2.mcap", runs / "run_10.mcap", executor=Here())
     (kept,) = (own_cache / "find").iterdir()
-    # Recordings are kept in the order in which they were done.
+    # Results are saved in the order in which recordings are done.
     state, _ = json.loads(kept.read_bytes().splitlines()[-1].partition(b" ")[2])
     kept.write_bytes(kept.read_bytes()[:-20])
     here = Here()
@@ -123,7 +123,7 @@ RELEASED = Event()
 
 
 def _interrupts_once(moment: Any) -> bool:
-    """Interrupt the main thread while one of the recordings is read."""
+    """Interrupt the main thread while it reads one of the recordings."""
     if "run_10.mcap" in _read() and not RELEASED.is_set():
         os.kill(os.getpid(), SIGINT)
         RELEASED.wait()
@@ -172,7 +172,7 @@ def _killer(moment: Any) -> bool:
 
 
 def _read() -> set[str]:
-    """The names of the recordings that are read by what calls this."""
+    """Yield the names of the recordings that are read within the block."""
     found, frame = set(), sys._getframe()
     while frame.f_back is not None:
         frame = frame.f_back
@@ -188,7 +188,7 @@ def stuck(scan):
 
 
 def made(text: str, name: str) -> Any:
-    """A function as a cell of a notebook makes it, which is sent to processes by value."""
+    """A function like one from a cell of a notebook, which is sent to processes by value."""
     names: dict[str, Any] = {"__name__": "__main__"}
     exec(text, names)
     return names[name]

@@ -1,4 +1,4 @@
-"""Which recordings some paths name."""
+"""The recordings that paths name."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_logs_of_other_programs_are_no_recordings(tmp_path: Path) -> None:
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs the recordings of real robots")
 def test_the_parts_of_a_recording_are_one(tmp_path: Path) -> None:
     parts = next(folder for folder in (DATA / "odd").iterdir() if folder.name == "mcap_multiple_files_no_metadata")
-    (tmp_path / "split").symlink_to(parts)  # the folder that is named may be a link
+    (tmp_path / "split").symlink_to(parts)  # the named folder may be a link
     assert places_of([tmp_path / "split"]) == [NamedPath(tmp_path / "split")]
 
 

@@ -1,4 +1,4 @@
-"""The contact sheet: its pictures, in which order they are sent, and what a click opens."""
+"""The contact sheet: its pictures, their order, and the effect of a click."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NEAR = conditions.nearest_below(0.3)
 
 
 class Scheduler:
-    """Does turns when a test says so."""
+    """Does turns on demand."""
 
     class clock:  # noqa: N801
         now = staticmethod(lambda: 0.0)
@@ -60,7 +60,7 @@ def sheet(hits: Hits) -> Iterator[Sheet]:
 
 
 def of(wanted: Any) -> list[Thumbnail]:
-    """The first pictures of what is found in the sample."""
+    """The first pictures of a search in the sample."""
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         found = find(wanted, robowidgets.SAMPLE, executor=Here())
         return list(made(recording, found, wanted))
@@ -131,7 +131,7 @@ def test_what_a_page_looks_at_comes_first_by_its_newest_word_and_then_all_others
     scheduler = Scheduler()
     sender = PictureSender(lambda packed: sent.append(numbers(packed)), held.append, NEAR, scheduler)  # type: ignore[arg-type]
     sender.set_hits(hits)
-    assert scheduler.turn is None  # nobody looks
+    assert scheduler.turn is None  # no page looks
     sender.look([20, 0])
     assert scheduler.turn
     scheduler.turn()
@@ -211,7 +211,7 @@ def test_a_name_that_a_person_gives_a_moment_is_kept_beside_its_recording(sheet:
         assert [one[:3] for one in recording.labels] == [("door", hits[2].start, hits[2].end)]
         sheet.widget._on_page(sheet.widget, {"label": [3, " "]}, [])
         assert "expected a name" in sheet.widget._status
-        # Another name takes its place, and none takes it away.
+        # Another name replaces it, and an empty one removes it.
         sheet.widget._on_page(sheet.widget, {"label": [2, "wall"]}, [])
         assert [one.label for one in recording.labels] == ["wall"]
         assert sheet.widget._status == ""

@@ -1,4 +1,4 @@
-"""What tells whether a recording has changed."""
+"""The file states that reveal a changed recording."""
 
 from __future__ import annotations
 

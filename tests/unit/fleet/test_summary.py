@@ -1,4 +1,4 @@
-"""What many recordings are about, and what is wrong with them."""
+"""The content and the problems of many recordings."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_the_commands_take_several_recordings(runs: Path, capsys: pytest.Capture
 
 
 def drive(folder: Path, ways: Iterable[float], speed: float, hz: float = 10.0) -> Path:
-    """A recording of odometry with these places, all of them told with one speed."""
+    """A recording of odometry with these positions, all with the same speed."""
     messages = [
         (
             i / hz,

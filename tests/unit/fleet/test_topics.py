@@ -1,4 +1,4 @@
-"""Which topic is meant where nobody names one."""
+"""The topic that is meant if the call names none."""
 
 from __future__ import annotations
 

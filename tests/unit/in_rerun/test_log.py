@@ -1,4 +1,4 @@
-"""What a file for Rerun holds, read by Rerun's own reader."""
+"""The content of a file for Rerun, read by Rerun's own reader."""
 
 from __future__ import annotations
 
@@ -223,7 +223,7 @@ def test_a_file_is_replaced_when_the_new_one_is_whole(
 
 @pytest.fixture
 def small_disk() -> Iterator[None]:
-    """No file may be longer than 100 kB, as on a disk that has no more room."""
+    """Limit files to 100 kB, as on a full disk."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, before[1]))
     yield

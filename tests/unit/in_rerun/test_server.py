@@ -1,4 +1,4 @@
-"""The server from which the viewer in a page gets all that it shows."""
+"""The server that sends everything that the viewer in a page shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One time for Python and the viewer, which are played here by what each tells the other."""
+"""One time for Python and the viewer; the tests play both by their messages."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ pytest.importorskip("rerun_notebook", reason="Rerun is not installed: pip instal
 
 
 class Viewer:
-    """What stands in a page, as far as a widget can tell."""
+    """The elements in a page, as a widget sees them."""
 
     def __init__(self, widget: RerunWidget) -> None:
         self._widget = widget

@@ -1,4 +1,4 @@
-"""What is said of the clocks of topics, one by one and together."""
+"""Notes on the clocks of topics, one by one and together."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Silence = tuple[float, float]
 
 
 def problems(folder: Path, each: int = 1, **silences: Sequence[Silence]) -> tuple[str, ...]:
-    """What is said of topics at 2 Hz for 1000 s, silent from one second to another, once their columns were read.
+    """The notes on topics at 2 Hz for 1000 s, silent for some time, once their columns were read.
 
     Args:
-        folder: where to write them.
-        each: messages at each time.
+        folder: the folder to write to.
+        each: number of messages at each time.
         silences: of each topic.
     """
     samples = {

@@ -1,4 +1,4 @@
-"""The check-up of a recording: what its topics hold, what is wrong, and what to do about it."""
+"""The check-up of a recording: the content of its topics, their problems, and the remedies."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .test_digest import TOLD
 from .test_mcap_dialects import SCAN
 
 GOOD = [2.0] * 11
-"""As many rays as the header of `sweeps.scan` implies."""
+"""The number of rays that the header of `sweeps.scan` implies."""
 
 
 BEHIND = "/scan: stamps are 40.0 s behind the recorder's clock"
@@ -29,7 +29,7 @@ ROW = ["/scan", "100", "10.0", "0.0 ms", "0", "11", "-28.6° to 28.6°", "5.73°
 
 
 def taken(times: Iterable[float], ranges: Sequence[float] = GOOD, late: float = 0.0, **more: Any) -> list[Any]:
-    """Scans with stamps at these times, logged so much later."""
+    """Scans with stamps at these times, logged later by some seconds."""
     return [(seconds + late, sweeps.scan(sweeps.START_NS + round(seconds * 1e9), ranges, **more)) for seconds in times]
 
 

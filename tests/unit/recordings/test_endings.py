@@ -1,4 +1,4 @@
-"""Topics that begin long after their recording, or end long before it, are told, and no others."""
+"""Topics that begin long after their recording, or end long before it, are reported, and no others."""
 
 from __future__ import annotations
 

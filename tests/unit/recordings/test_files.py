@@ -1,4 +1,4 @@
-"""What a path is, and what is said when it is nothing."""
+"""The meaning of a path, and the errors for one without a recording."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_what_is_asked_of_a_bag_is_looked_up_in_its_index(tmp_path: Path, monkey
         parts = [source.messages(source.channels, START_NS + a * STEP_NS, START_NS + b * STEP_NS) for a, b in asked]
         parts += [source.messages(source.channels, None, START_NS), source.messages(source.channels, held[-1][1])]
         read: list[list[Message]] = [[] for _ in parts]
-        for turn in zip_longest(*parts):  # in turns, as several topics are read
+        for turn in zip_longest(*parts):  # in turns, as when several topics are read
             for one, message in zip(read, turn, strict=True):
                 if message:
                     one.append((message[0].topic, message[1], message[2]))
@@ -308,7 +308,7 @@ def test_recordings_of_different_names_are_not_taken_for_one(tmp_path: Path, oth
 
 
 class TestFilesWithoutMetadata:
-    """Joined only where they are the parts of one recording."""
+    """Files are joined only if they are the parts of one recording."""
 
     def folder(self, tmp_path: Path, *parts: list[Message]) -> Path:
         folder = tmp_path / "runs"

@@ -1,4 +1,4 @@
-"""Finding in what was cut off: what is found says that something may be missed."""
+"""Finding in a recording that was cut off: the result notes that something may be missing."""
 
 from __future__ import annotations
 

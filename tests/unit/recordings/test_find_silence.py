@@ -1,4 +1,4 @@
-"""Finding where a topic falls silent: what held is not known to go on."""
+"""Finding around the silence of a topic: a condition that held is not known to continue."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def fast(moment: Any) -> bool:
 
 
 CLOCK = every(1, 0, 41, 0)
-"""Commands, which make the recording 40 s long."""
+"""Commands that make the recording 40 s long."""
 
 
 @pytest.fixture

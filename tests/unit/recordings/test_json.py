@@ -1,4 +1,4 @@
-"""Recordings whose messages are in JSON or in protobuf, with Foxglove's schemas, ROS's or no schema at all."""
+"""Recordings whose messages are in JSON or in protobuf, with schemas of Foxglove or ROS, or without a schema."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STAMP = {"sec": 1_700_000_000, "nsec": 5}
 
 
 def write(path: Path, topics: Mapping[str, tuple[str, Iterable[Any]]]) -> Path:
-    """A file of messages in JSON, ten a second; each topic has the name of its schema, which may be empty."""
+    """A file of messages in JSON, ten per second; each topic has the name of its schema, which may be empty."""
     with path.open("wb") as file:
         writer = Writer(file)
         writer.start("", "test")

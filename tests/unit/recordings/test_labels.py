@@ -1,4 +1,4 @@
-"""The names that people give to spans of recordings."""
+"""The names that users give to spans of recordings."""
 
 from __future__ import annotations
 

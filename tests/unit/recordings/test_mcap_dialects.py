@@ -1,4 +1,4 @@
-"""MCAP files as other programs than ROS's recorder write them: names, summaries and definitions."""
+"""MCAP files from other programs than ROS's recorder: names, summaries and definitions."""
 
 from __future__ import annotations
 

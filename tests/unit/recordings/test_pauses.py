@@ -1,4 +1,4 @@
-"""What is known of a topic that falls silent."""
+"""The known state of a topic that falls silent."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_only_what_depends_on_an_old_sample_is_unknown() -> None:
     held = steps(np.array(fast) * S, [YES] * 8)
     depends = [True, True, True, True, False, False, True, True]
     assert [value for _, value in aged(held, (slow, depends), (fast, [True] * 8), end=7)] == [
-        *(YES, YES, UNKNOWN, UNKNOWN, UNKNOWN),  # what was known a step after 1 s, and what was found at 2 and 3 s
+        *(YES, YES, UNKNOWN, UNKNOWN, UNKNOWN),  # the state known a step after 1 s, and the results at 2 and 3 s
         *(YES, YES, YES, YES),
     ]
     depends = [True, False, False, False, False, False, True, True]

@@ -1,4 +1,4 @@
-"""What is sent ahead to the page is what the widgets show at each time."""
+"""The frames that are sent ahead to the page equal the frames that the widgets show at each time."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_each_segment_begins_with_what_holds_and_goes_on_in_order(player: Player
 
 
 def news(player: Player, kind: type, role: str = "") -> list[float]:
-    """The times of the frames of a widget with which a sample came, segment for segment as the page reads them."""
+    """The times of the frames of a widget with a new sample, segment by segment as the page reads them."""
     (view,) = (view for view in player.views if isinstance(view.widget, kind))
     found = []
     for start in range(int(player.recording.duration) + 1):

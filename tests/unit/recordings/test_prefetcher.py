@@ -149,7 +149,7 @@ def test_what_is_stale_is_dropped_from_the_page() -> None:
         prefetcher.start()
         wait_for(lambda: any(page.dropped), "something was dropped")
         first = next(i for i, dropped in enumerate(page.dropped) if dropped)
-        assert page.has[first] == 900, "the time on show comes anew"
+        assert page.has[first] == 900, "the time on show comes again"
         assert {*page.dropped[first], 900} == {*page.has[:first], 900}
 
 
@@ -203,7 +203,7 @@ def test_what_a_person_points_at_was_sent_when_who_handed_it_on_goes_on(monkeypa
 def test_what_plays_comes_before_what_a_person_points_at_and_nobody_waits_for_that(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(module, "ANSWER", 1000.0)  # who waits for that, waits for too long
+    monkeypatch.setattr(module, "ANSWER", 1000.0)  # a waiting caller waits too long for it
     with sending(Track(), 1000) as (prefetcher, page):
         prefetcher.set_time(50.0, 10.0, (0.0, 1000.0))
         prefetcher.start()

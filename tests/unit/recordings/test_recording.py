@@ -1,4 +1,4 @@
-"""`Recording`: what a person asks of it."""
+"""`Recording` and its methods."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings behind a URL: fetched once, kept within a limit, and never half."""
+"""Recordings behind a URL: fetched once, within a size limit, and never half."""
 
 from __future__ import annotations
 
@@ -285,7 +285,7 @@ def test_the_command_takes_a_url(memory: Any, capsys: pytest.CaptureFixture[str]
 
 
 class Server(ThreadingHTTPServer):
-    """A web server that may cut connections, ask for a password, or tell nothing of the state of its files."""
+    """A web server that may cut connections, ask for a password, or send no version of its files."""
 
     cut = 0
     status = 200
@@ -389,7 +389,7 @@ def signed_by(server: Server, secret: str = SECRET) -> str:
 
 @pytest.fixture
 def guarded(server: Server, monkeypatch: pytest.MonkeyPatch) -> Server:
-    """A server that gives its file to whoever has the signature; this process knows no URL yet."""
+    """A server that sends its file for the right signature; this process has no URL yet."""
     monkeypatch.setattr(remote, "_given", {})
     server.signature = SECRET
     return server

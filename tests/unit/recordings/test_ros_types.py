@@ -1,4 +1,4 @@
-"""Messages from bytes, whatever definition a file holds of them."""
+"""Messages from bytes, with any definition in the file."""
 
 from __future__ import annotations
 

@@ -340,7 +340,7 @@ class TestMemory:
             whole = chunk.ranges
             while isinstance(whole, np.ndarray) and whole.base is not None:
                 whole = whole.base
-            assert memoryview(whole).nbytes <= 2 * chunk.ranges.nbytes  # no view of all that was read
+            assert memoryview(whole).nbytes <= 2 * chunk.ranges.nbytes  # not a view of all that was read
         assert 1_000_000 < max(seen) <= 3_000_000
         assert [moment.seconds for moment in scans[::1500]] == [0, 150]
 
@@ -441,7 +441,7 @@ class TestTouches:
         assert [(round(t, 3), state, said) for t, state, said in rows] == [
             (0.0, 1, True),
             (0.1, 1, True),
-            (0.2, 1, True),  # left out, and held for 0.15 s after it was listed last
+            (0.2, 1, True),  # left out, and held for 0.15 s after it was last listed
             (0.25, 0, False),
             (2.0, 1, True),
             (2.15, 0, False),

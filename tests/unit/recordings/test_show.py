@@ -1,4 +1,4 @@
-"""A recording on the page: which widgets, and what they show at a time."""
+"""A recording on the page: its widgets, and their content at a time."""
 
 from __future__ import annotations
 
@@ -301,7 +301,7 @@ def test_a_program_moves_it_by_another_widget_and_a_page_moves_it_by_itself(path
         assert player.time == 4.0
         for widget in (scanogram, plot):
             widget.set_state({"time": 2.0})
-        assert player.time == 4.0, "what a page says of it comes with the time of the player"
+        assert player.time == 4.0, "a message of the page about it carries the time of the player"
 
 
 def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -462,7 +462,7 @@ def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Else the bad scan is among what a notebook holds.
+    # Otherwise the bad scan is among the data of a notebook.
     monkeypatch.setattr("robowidgets.player.player.HELD_BYTES", 0)
     with shown(robot.write(tmp_path / "drive", bad_scan_at=40), scanogram=False) as player:
         told = player.children[0]
@@ -618,7 +618,7 @@ def test_what_is_selected_to_be_played_is_selected_on_the_picture(player: Player
 
 
 class Hangs:
-    """A condition that loops, as one does by mistake."""
+    """A condition that loops by mistake."""
 
     def __init__(self) -> None:
         self.threads: set[threading.Thread] = set()
@@ -632,7 +632,7 @@ class Hangs:
 def test_a_condition_that_loops_holds_up_neither_a_click_in_the_list_nor_the_end(player: Player) -> None:
     hangs, laser = Hangs(), widget(player, LaserWidget)
     wall = laser.watch(hangs, name="wall")  # type: ignore[attr-defined]
-    player._prefetcher.start()  # type: ignore[union-attr]  # as a page does that wants its segments
+    player._prefetcher.start()  # type: ignore[union-attr]  # as a page that requests its segments
     wait_for(lambda: wall.error, "it is switched off")
     assert wall.error.startswith("has not returned for 1 s, line ")
     assert {thread.name for thread in hangs.threads} == {"robowidgets-judge"}

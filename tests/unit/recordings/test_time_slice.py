@@ -1,4 +1,4 @@
-"""A span that `Recording.find` gave, as a slice of the recording and as a selection."""
+"""A span from `Recording.find`, as a slice of the recording and as a selection."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Clocks that were set while a recording was written: one time that only goes forward, whatever the kind of file."""
+"""Clocks that were set while a recording was written: one time that only goes forward, in every file format."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def order(recording: Recording, topic: str = SCAN) -> list[int]:
 
 
 def from_1970(at: int = 50) -> list[Message]:
-    """By a clock that starts in 1970 and is set after five seconds."""
+    """A recording by a clock that starts in 1970 and is set after five seconds."""
     return drive([i / 10 - EPOCH * (i < at) for i in range(100)])
 
 
@@ -198,7 +198,7 @@ class TestALeapAhead:
 
 @pytest.mark.parametrize("kind", KINDS)
 class TestNothingIsSaidAndNothingTouched:
-    """Where the clock was not set."""
+    """Positions at which the clock was not set."""
 
     def check(self, path: Path, times: Sequence[float]) -> None:
         with robowidgets.open(path) as recording:
@@ -310,7 +310,7 @@ class TestTheIndexOfAnMcapFile:
     def test_is_not_read_when_it_claims_more_than_the_file_holds(self, tmp_path: Path, back: float) -> None:
         path = long_mcap(tmp_path, drive(step(back)))
         raw = bytearray(path.read_bytes())
-        # In the index of a chunk, after the offsets of two channels, stands how long the chunk's own index is.
+        # In the index of a chunk, the length of the chunk's own index follows the offsets of two channels.
         at = raw.rindex(b"\x08" + (8 * 4 + 4 + 2 * 10 + 8 + 4 + 8 + 8).to_bytes(8, "little")) + 9 + 32 + 4 + 20
         raw[at : at + 8] = (2**40).to_bytes(8, "little")
         path.write_bytes(raw)
@@ -335,7 +335,7 @@ def rewrite_index(path: Path, change: Callable[[Any], Any]) -> None:
 
 
 class TestALongMcapFile:
-    """Of whose index not all is read."""
+    """A file whose index is read in part."""
 
     @pytest.fixture(autouse=True)
     def _short(self, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -358,7 +358,7 @@ class TestALongMcapFile:
 
 
 def written(folder: Path, *messages: tuple[float, int]) -> Source:
-    """A source over messages with these times, in seconds, and topics; each holds its number."""
+    """A source over messages with these times in seconds, and topics; each holds its number."""
     topics = sorted({topic for _, topic in messages})
     head = [
         record(0x04, topic.to_bytes(2, "little") + bytes(2) + string(f"/{topic}") + string("cdr") + bytes(4))
@@ -378,7 +378,7 @@ def numbers(source: Source) -> list[int]:
 
 
 class TestAStepBack:
-    """Is told from what only looks like one."""
+    """Steps are distinguished from data that only look like one."""
 
     LASER, ODOM, TF, MAP = range(4)
 
@@ -388,14 +388,14 @@ class TestAStepBack:
         return [(i / 50, topic) for i in range(int(until * 50)) for topic in topics[i % 5]]
 
     def check_step(self, folder: Path, before: Sequence[tuple[float, int]], after: Sequence[tuple[float, int]]) -> None:
-        """All of the one come before all of the other, each by time."""
+        """Check that all of `before` come before all of `after`, each in order of time."""
         source = written(folder, *before, *after)
         assert source.problems[0].startswith("the clock goes back once, ")
         found = numbers(source)
         assert sorted(found[: len(before)]) == list(range(len(before)))
 
     def check_none(self, folder: Path, messages: Sequence[tuple[float, int]]) -> None:
-        """They are in the order of time."""
+        """Check that the messages are read in order of time, without a problem."""
         source = written(folder, *messages)
         assert source.problems == ()
         times = [time for time, _ in messages]

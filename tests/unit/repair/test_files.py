@@ -1,4 +1,4 @@
-"""Any file by how it starts, files in zstd, and the files of a folder."""
+"""Any file by its first bytes, files in zstd, and the files of a folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files made to take memory or time: they get little of either."""
+"""Files made to use up memory or time get little of either."""
 
 from __future__ import annotations
 

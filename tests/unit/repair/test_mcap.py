@@ -1,4 +1,4 @@
-"""MCAP files that are cut, unindexed, of another make, wrong or hostile."""
+"""MCAP files that are cut, unindexed, from other writers, wrong or hostile."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ PACK: dict[str, Callable[[bytes], bytes]] = {
 
 
 def chunked(held: list[Message], compression: str, each: int = 20, checksum: bool = False) -> list[bytes]:
-    """Chunks of so many messages."""
+    """Chunks with this number of messages."""
     raws = [mcap_messages(held[i : i + each]) for i in range(0, len(held), each)]
     return [mcap_chunk(raw, compression, PACK[compression](raw), crc32(raw) if checksum else 0) for raw in raws]
 

@@ -1,4 +1,4 @@
-"""The recordings of other people that are odd or damaged, number by number."""
+"""Odd or damaged recordings of others, number by number."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""rosbag2 databases that are cut, damaged, unfinished or foreign; none is ever written to."""
+"""rosbag2 databases that are cut, damaged, unfinished or foreign; no test writes to one."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def write_old(path: Path, held: list[Message]) -> Path:
 
 @pytest.fixture
 def untouched(tmp_path: Path) -> Iterator[None]:
-    """Nothing appears beside a database that is read."""
+    """No file appears next to a database that is read."""
     yield
     strays = [path for path in tmp_path.rglob("*") if path.name.endswith(("-wal", "-shm", "-journal"))]
     assert strays == []
@@ -178,7 +178,7 @@ def test_what_a_killed_recorder_left_beside_the_file_is_taken_in(tmp_path: Path,
 
 
 class TestALogBesideADatabase:
-    """What a killed recorder left in its ``-wal`` file: a transaction for each ten messages."""
+    """The data that a killed recorder left in its ``-wal`` file: a transaction for each ten messages."""
 
     @pytest.fixture
     def killed(self, tmp_path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""A recording that is written anew is whole, and says what the damaged one said."""
+"""A rewritten recording is complete, and has the content of the damaged one."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def repair(path: Path, *options: str) -> Path:
 
 
 def samples(path: Path) -> dict[str, Any]:
-    """What a recording says but for its problems."""
+    """The content of a recording without its problems."""
     return {name: said for name, said in digest(path).items() if name != "problems"}
 
 
@@ -262,7 +262,7 @@ class TestTheCommand:
         assert main(["repair", *arguments]) == 2
         said = capsys.readouterr()
         assert said.out in ("", f"Nothing is wrong with {arguments[0]}\n")
-        # On a slow machine a bar of progress comes before it.
+        # On a slow machine a progress bar comes before it.
         last = said.err.splitlines()[-1]
         assert last.startswith("robowidgets: ")
         assert line in last
@@ -282,7 +282,7 @@ class TestTheCommand:
 
 @contextmanager
 def room_for(size: int) -> Iterator[None]:
-    """Within it no file may grow beyond that many bytes."""
+    """Limit files to this number of bytes."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:

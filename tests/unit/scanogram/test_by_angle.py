@@ -1,4 +1,4 @@
-"""Scans of other geometries on the rays of one."""
+"""Scans of other geometries on the rays of one scan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drops: a robot with a wheel over the edge stands, and sensors that look at the floor tell of it."""
+"""Drops: a robot with a wheel over the edge stands, and sensors that look at the floor report it."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def test_in_a_process_of_its_own_a_fallen_robot_can_be_put_back_and_given_obstac
         time = robot.time + 0.5
         wait_for(lambda: robot.time > time, "it goes on")
         assert robot.has_fallen
-        assert robot.world is world, "the other process has taken it"
+        assert robot.world is world, "the other process has accepted it"
         robot.move_to(9.0, 1.0, 0.0)
         wait_for(lambda: robot.time > time + 0.5, "it goes on")
         assert not robot.has_fallen

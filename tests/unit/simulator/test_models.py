@@ -1,4 +1,4 @@
-"""Robots and scanners with the size, the limits, the messages and the habits of real ones."""
+"""Robots and scanners with the sizes, limits, messages and quirks of real ones."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_a_scanner_is_mounted_where_it_is_told_and_may_hang_upside_down() -> Non
     assert hanging.measure(post, 0.0, 0.0, 0.0, rng).nearest().index == 0
     robot = Robot(post, scanner=replace(hanging, mount=(0.1, 0.0, 0.0)))
     header = HEADER.unpack_from(View(robot).get_state()["_frame"])
-    assert header[5:10] == pytest.approx((0.1, 0.0, 0.0, pi / 2, -pi / 4)), "the view shows where its rays truly go"
+    assert header[5:10] == pytest.approx((0.1, 0.0, 0.0, pi / 2, -pi / 4)), "the view shows the true ray directions"
 
 
 def test_a_scan_of_a_robot_has_the_angles_of_the_robot_however_its_scanner_stands() -> None:
@@ -153,7 +153,7 @@ def test_a_scan_of_a_robot_has_the_angles_of_the_robot_however_its_scanner_stand
         assert scan.nearest().index != expected.nearest().index
         assert scan.distance("left") == pytest.approx(expected.distance("left"), abs=0.02)
         assert scan.distance("front") == inf
-        assert scan.unmounted().angle_min == pytest.approx(-pi), "a message has the scanner's own"
+        assert scan.unmounted().angle_min == pytest.approx(-pi), "a message has the scanner's angles"
 
 
 @pytest.mark.parametrize(("given", "error", "words"), [

@@ -1,4 +1,4 @@
-"""Rooms that are ready-made, drawn as text, or made of a map."""
+"""Rooms that are ready-made, drawn as text, or made from a map."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ BOX = World(walls=[(-2, -2, 2, -2), (2, -2, 2, 2), (2, 2, -2, 2), (-2, 2, -2, -2
 
 
 def commands(robot, seconds, **speeds):
-    """Each command that is new, with the bumpers pressed when it came."""
+    """Each new command, with the bumpers that were pressed."""
     given = []
     for _ in wander(robot, **speeds):
         now = (robot.command().linear[0], robot.command().angular[2])
