@@ -1,4 +1,4 @@
-"""Widgets that topics have where they are asked for: by name, or because no topic has another."""
+"""Widgets of topics on request: by name, or because no other widget fits the topic."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def test_a_page_has_the_frames_of_widgets_that_were_asked_for(recording: Recordi
 
 
 class PagedWidget(AnyWidget):
-    """Has the script of a widget that is built."""
+    """A widget with the script of a built one."""
 
     _esm, _css = robowidgets.SonarWidget._esm, robowidgets.SonarWidget._css
 

@@ -1,4 +1,4 @@
-"""What a camera sees: pixels of points, depth images as scans, and what lies over a picture."""
+"""The view of a camera: pixels of points, depth images as scans, and overlays on a picture."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def test_a_camera_that_is_not_calibrated_and_an_unknown_lens_say_so() -> None:
 
 
 def by_node(depth: np.ndarray, first: int, last: int, low: float, high: float) -> tuple[list[float], float, float]:
-    """What depthimage_to_laserscan sends, in its own steps, pixel by pixel."""
+    """The scan of depthimage_to_laserscan, computed in its own steps, pixel by pixel."""
     fx, cx, width = np.float32(K[0]), np.float32(K[2]), depth.shape[1]
     left, right = (np.array([(u - K[2]) / K[0], 0.0, 1.0]) for u in (0, width - 1))
     ahead = np.array([0.0, 0.0, 1.0])
@@ -222,7 +222,7 @@ def test_a_band_of_a_depth_image_is_the_scan_that_depthimage_to_laserscan_sends(
     [(240.0, 1, 240), (239.5, 1, 239), (243.2, 1, 243), (243.2, 3, 242), (243.7, 3, 242), (243.2, 10, 238)],
 )
 def test_an_odd_number_of_rows_are_the_rows_that_the_node_reads(axis: float, rows: int, first: int) -> None:
-    depth = np.repeat(np.arange(480, dtype=np.float32)[:, None] * 0.01 + 1, 640, axis=1)  # each row has its distance
+    depth = np.repeat(np.arange(480, dtype=np.float32)[:, None] * 0.01 + 1, 640, axis=1)  # each row has one distance
     calibration = CameraInfo(640, 480, k=[525, 0, 319.5, 0, 525, axis, 0, 0, 1], frame_id="c")
     assert np.nanmin(depth_scan(depth, calibration, rows).ranges) == pytest.approx(depth[first, 0], abs=1e-5)
 
@@ -231,9 +231,9 @@ def test_a_wall_in_a_depth_image_is_a_wall_in_the_scan_and_its_columns_are_known
     millimetres = np.full((480, 640), 2000, np.uint16)
     millimetres[:, 400:] = 0
     scan = depth_scan(millimetres, info(), (230, 240))
-    # A column is on a ray up to half a step beside it.
+    # A column is on a ray up to half a step to its side.
     assert np.allclose(scan.x[scan.valid], 2.0, atol=0.003)
-    # What is at the right of the picture is at the right of the scanner, where the scan begins.
+    # The right side of the picture is at the right of the scanner, where the scan begins.
     rays = depth_rays(CameraModel(info(), rectified=True))
     assert np.isnan(scan.ranges[rays[401:]]).all()
     assert np.isfinite(scan.ranges[rays[:400]]).all()
@@ -318,7 +318,7 @@ def test_a_scan_is_where_it_was_measured_while_the_robot_drives_on() -> None:
 
 
 def room_scan(distance: float = 2.0, count: int = 181) -> Scan:
-    """A wall across, so far ahead."""
+    """A wall across, at this distance ahead."""
     angles = np.linspace(radians(-60), radians(60), count)
     return Scan(
         (distance / np.cos(angles)).astype(np.float32), angles[0], angles[1] - angles[0], 0.1, 30.0, frame_id="laser"

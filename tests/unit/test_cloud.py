@@ -1,4 +1,4 @@
-"""Clouds of points: messages and arrays to samples, what a sample says, and a band of heights as a scan."""
+"""Clouds of points: messages and arrays to samples, their properties, and a band of heights as a scan."""
 
 from __future__ import annotations
 
@@ -275,7 +275,7 @@ def test_a_band_of_heights_is_a_scan_whose_rays_know_their_points() -> None:
 def test_the_ray_of_a_point_is_the_one_that_pointcloud_to_laserscan_gives_it() -> None:
     points = np.random.default_rng(1).normal(0, 3, (3000, 3)).astype(np.float32)
     scan = to_cloud(points).scan(z=(-0.5, 0.7))
-    # As in its C++: the angle in double, less angle_min and divided by angle_increment as its message has them.
+    # As in its C++: the angle in double, minus angle_min and divided by angle_increment as float32 in its message.
     first, step = float(np.float32(-pi)), float(np.float32(pi / 360))
     ranges = np.full(720, np.inf, np.float32)
     for x, y, z in points:
@@ -309,7 +309,7 @@ def test_the_cloud_of_a_real_scanner_is_its_scan(data: Path) -> None:
         assert np.abs((off + pi) % (2 * pi) - pi)[far].max() < 1e-5
         assert (cloud.points["intensity"] == scan.intensities).all()
 
-        # A ray takes the points from its angle on, so begin half a ray before.
+        # A ray takes the points from its angle on, so start half a ray earlier.
         again = cloud.scan(
             angle_min=scan.angle_min - scan.angle_increment / 2,
             angle_increment=scan.angle_increment,

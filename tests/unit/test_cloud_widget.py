@@ -1,4 +1,4 @@
-"""`CloudWidget`, and a cloud in a `LaserWidget`: what Python code says to them and hears from them, without a page."""
+"""`CloudWidget`, and a cloud in a `LaserWidget`: their Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -189,7 +189,7 @@ def test_a_recording_shows_its_clouds_and_a_band_of_them_as_a_scan_and_says_what
 
 
 def count_in(widget: CloudWidget | LaserWidget, frame: bytes) -> int:
-    """How many points, or rays that met one, a frame has."""
+    """The number of points in a frame, or of rays with a point."""
     if isinstance(widget, LaserWidget):
         return sum(ray.source is not None for ray in widget._unpack(frame))
     facts = frame[36 : frame.index(b"}") + 1]

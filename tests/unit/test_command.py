@@ -20,7 +20,7 @@ from ..conftest import ROOT
 
 
 def one_line(capsys):
-    """What was said on stderr: one line, and nothing on stdout."""
+    """The error on stderr: one line, and nothing on stdout."""
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.endswith("\n")
@@ -30,7 +30,7 @@ def one_line(capsys):
 
 @pytest.fixture
 def lab(monkeypatch):
-    """What JupyterLab would be started with, instead of starting it."""
+    """Record the arguments of JupyterLab instead of starting it."""
     started = []
     monkeypatch.setattr(_lab, "run", lambda *arguments, **_options: started.append(arguments[:3]))
     return started
@@ -38,7 +38,7 @@ def lab(monkeypatch):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """A folder to work in, which ends with the test."""
+    """A folder to work in, removed with the test."""
     monkeypatch.chdir(tmp_path)
 
 
@@ -205,7 +205,7 @@ def test_open_writes_a_notebook_for_the_file(lab, here):
     assert main(["open", os.path.relpath(robowidgets.SAMPLE)]) == 0
     written = lab[0][0]
     assert written.name == "sample.ipynb"
-    import nbformat  # takes two seconds, of each process that collects tests
+    import nbformat  # takes two seconds in each process that collects tests
 
     notebook = nbformat.read(written, as_version=nbformat.NO_CONVERT)
     nbformat.validate(notebook)
@@ -324,7 +324,7 @@ def test_find_prints_json(capsys, monkeypatch):
     arguments = ["--speed-above", "0.1", "--gap", "1", "--any", "--speed", "/odom", "--json"]
     assert main(["find", str(robowidgets.SAMPLE), *arguments]) == 0
     said = capsys.readouterr()
-    assert "Finding:   0%" in said.err, "progress goes where it is in nobody's way"
+    assert "Finding:   0%" in said.err, "progress goes to stderr"
     told = json.loads(said.out)
     assert told["condition"] == "(linear.x above 0.1 m/s | gap longer than 1 s)"
     assert told["complete"] is True

@@ -1,4 +1,4 @@
-"""`CommandWatchdog`: at most 50 speeds a second, zero when none holds, a latch, and a hand before programs."""
+"""`CommandWatchdog`: at most 50 speeds per second, zero when none holds, a latch, and a hand before programs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LEFT = Velocity(angular=0.5)
 
 
 class Sink:
-    """What takes the speeds of a test; it hangs while its gate is shut, and raises what it is told to."""
+    """Takes the speeds of a test; it hangs while its gate is shut, and raises the error that a test sets."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
         self.now = now
@@ -360,7 +360,7 @@ def test_by_hand_what_a_slow_sink_kept_waiting_too_long_is_not_sent(
 
 
 def stand(clock: ManualClock, how: str) -> None:
-    """Let the process stand still for longer than a speed may hold; whoever waits has not noticed yet."""
+    """Pause the process for longer than a speed may hold; waiting threads have not noticed yet."""
     clock.settle()
     if how == "sleep":
         clock.asleep += STANDSTILL + 0.1
@@ -405,7 +405,7 @@ def test_a_speed_that_was_requested_before_a_standstill_is_not_sent_after_it(
     clock.advance(0.1)
     assert waiting.done
     assert sink.speeds == [FORWARD, ZERO]
-    assert watchdog.stops > stops, "who waits with a speed is refused"
+    assert watchdog.stops > stops, "a waiting caller with a speed is refused"
 
 
 def test_a_press_is_over_after_a_standstill(clock: ManualClock, timed: tuple[CommandWatchdog, Sink]) -> None:

@@ -1,4 +1,4 @@
-"""Some drives in one plot and on one map."""
+"""Several drives in one plot and on one map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the nearest thing is: `Scan.distance` and `Scan.nearest`, by one rule."""
+"""The distance of the nearest thing: `Scan.distance` and `Scan.nearest`, by one rule."""
 
 from __future__ import annotations
 
@@ -170,7 +170,7 @@ class TestPercentile:
 
 
 def counts_as(value: float) -> float:
-    """The table for one range, as it reads."""
+    """The table for one range, as documented."""
     if isnan(value):
         return nan
     if value in CODES or value > HIGH:

@@ -1,4 +1,4 @@
-"""`DriveWidget`: what it takes from the page, and what reaches the robot."""
+"""`DriveWidget`: the messages it takes from the page, and the speeds that reach the robot."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .pages import Page
 from .waiting import wait_for
 
 ZERO = (0.0, 0.0)
-"""As a function of two speeds gets it, and as the middleware of a test keeps it."""
+"""A speed as a function of two speeds gets it, and as the middleware of a test records it."""
 
 
 class Pad(DriveWidget):
@@ -42,7 +42,7 @@ class Pad(DriveWidget):
     heard: list[tuple[float, float]] = []  # noqa: RUF012
     now = 100.0
     clock: ManualClock | None = None
-    """That of its watchdogs, if it is moved by hand."""
+    """The clock of its watchdogs, if it is moved by hand."""
 
     def __init__(self, **kwargs: Any) -> None:
         self.answers = []
@@ -54,7 +54,7 @@ class Pad(DriveWidget):
         self.answers.append(content)
 
     def hear(self, act: str, press: str = "p", **more: Any) -> dict[str, Any]:
-        """A message of the page; the answer."""
+        """Send a message of the page, and return the answer."""
         self._handle_custom_msg({"act": act, "press": press, **more}, [])
         return self.answers[-1]
 
@@ -63,13 +63,13 @@ class Pad(DriveWidget):
         return token
 
     def hold(self, press: str = "p", **knob: float) -> int:
-        """A press that drives at once; its next token."""
+        """A press that drives at once; return its next token."""
         token: int = self.hear("hold", press, token=self.press(press), **knob)["token"]
         return token
 
     @property
     def told(self) -> dict[str, Any]:
-        """What a page knows."""
+        """The state that a page has."""
         state: dict[str, Any] = self.get_state()["_state"]
         return state
 
@@ -79,7 +79,7 @@ class Pad(DriveWidget):
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> ManualClock:
-    """That of the watchdogs which pads make."""
+    """The clock of the watchdogs of pads."""
     made = ManualClock()
     monkeypatch.setitem(CommandWatchdog.__init__.__kwdefaults__, "clock", made)  # type: ignore[index]
     return made
@@ -97,13 +97,13 @@ def pad(clock: ManualClock) -> Iterator[Pad]:
 
 @pytest.fixture
 def holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have a press drive until something ends it, and not for half a second at most."""
+    """Make a press drive until something ends it, instead of half a second at most."""
     monkeypatch.setattr(command_watchdog, "HOLD", 3600.0)
 
 
 @pytest.fixture
 def soon(monkeypatch: pytest.MonkeyPatch) -> float:
-    """Seconds after which the page hears the same state again, in place of one second."""
+    """Seconds after which the page gets the same state again, instead of one second."""
     monkeypatch.setattr(driving_widget, "BEAT", 0.05)
     return 0.05
 
@@ -484,7 +484,7 @@ class TestFeed:
         both = f"{words}. Nor could it be told to stop"
         wait_for(lambda: pad.told["error"] == both, "both are told")
         assert pad.told["cause"] == "no room"
-        assert pad.told["speed"] == (0.1, 0.0, 0.0), "as far as is known it moves"
+        assert pad.told["speed"] == (0.1, 0.0, 0.0), "it is assumed to move"
         assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
         wait_for(lambda: words in caplog.text, "it is logged")
         script.broken = ""
@@ -619,7 +619,7 @@ class TestToThePage:
             wait_for(lambda count=count: len(script.speeds) == count, "it was sent")  # type: ignore[misc]
         wait_for(lambda: page.state["_state"]["speed"] == Velocity(0.2, 0.5), "it is told")
         most = 6 + time.monotonic() - began
-        assert len(page.sent("_state")) < most, "a constant speed is told again and again, and not each second"
+        assert len(page.sent("_state")) < most, "a constant speed is reported at a low rate, not each second"
         feed.drive(0.0)
         wait_for(lambda: page.state["_state"]["speed"] == Velocity(), "the last is told")
         assert set(page.threads) == {"robowidgets-pacer"}

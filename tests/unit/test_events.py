@@ -1,4 +1,4 @@
-"""From messages to events: what each type says, of what repeats only changes, and how a list keeps them."""
+"""From messages to events: the events of each type, repeated events only if they change, and their list."""
 
 from __future__ import annotations
 

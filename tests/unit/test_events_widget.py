@@ -1,4 +1,4 @@
-"""`EventsWidget`: what Python code says to it and hears from it, without a page."""
+"""`EventsWidget`: its Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def events() -> Iterator[EventsWidget]:
 
 
 def sent(widget: EventsWidget) -> list[Any]:
-    """The texts of the rows as the page merges them: those that are sent seldom, and those after them."""
+    """The texts of the rows as the page merges them: the block that is sent seldom, and the rows after it."""
     state = widget.get_state()
     old, new = (json.loads(bytes(state[name]) or b"[]") for name in ("_old", "_new"))
     first = new[0][0] if new else float("inf")

@@ -1,4 +1,4 @@
-"""What ``robowidgets find`` refuses, and what ends it early."""
+"""Refusals and early ends of ``robowidgets find``."""
 
 from __future__ import annotations
 

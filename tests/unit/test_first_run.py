@@ -1,4 +1,4 @@
-"""Notebooks run in a real server of JupyterLab before anybody opens them."""
+"""Notebooks that ran in a real JupyterLab server before a user opens them."""
 
 import json
 import os
@@ -20,12 +20,12 @@ NOTEBOOKS = {
     "asking": ["print('begin')", "input()", "print('never')"],
     "foreign": ["print('never')"],
 }
-# For a format that nothing here has, jsonschema makes a grammar at its import, which takes half of a server's start.
+# For an unknown format, jsonschema builds a grammar at its import, which takes half of a server's start time.
 QUICK = """
 import sys
 sys.modules["rfc3987_syntax"] = None
 """
-# Runs every notebook of a folder in one server, and prints what came of it.
+# Runs every notebook of a folder in one server, and prints the results.
 RUN_ALL = (
     QUICK
     + """
@@ -88,7 +88,7 @@ _lab.run(Path(sys.argv[1]), 0, False, print)
 
 
 def write(file, sources, kernel=KERNEL):
-    import nbformat  # takes two seconds, of each process that collects tests
+    import nbformat  # takes two seconds in each process that collects tests
 
     cells = [nbformat.v4.new_code_cell(source) for source in sources]
     if file.stem == "whole":
@@ -103,7 +103,7 @@ def environment(folder):
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """What came of each notebook: its cells, what was said, whether it is trusted, what its kernels answer."""
+    """The results of each notebook: its cells, its messages, its trust, and the answers of its kernels."""
     import nbformat
 
     folder = tmp_path_factory.mktemp("notebooks")

@@ -1,4 +1,4 @@
-"""The robot to scale: what a footprint takes, and what the page gets of it."""
+"""The robot to scale: the arguments of a footprint, and its data for the page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lies over the pictures of a camera, and why something does not."""
+"""Overlays on the pictures of a camera, and the reasons for a missing one."""
 
 from __future__ import annotations
 
@@ -257,7 +257,7 @@ def test_of_two_scanners_that_which_is_shown_beside_it_lies_over_the_picture() -
     together(laser, image)
     ((tilt, _),) = image.topics_beside(topics)
     assert (base, tilt) == ("/base_scan", "/tilt_scan")
-    assert not image.beside.scans  # those of the other one
+    assert not image.beside.scans  # its scans were of the other scanner
     image.calibrate(INFO)
     image.take_frames(TF)
     image.take_scan(scan_at(SECOND))
@@ -289,7 +289,7 @@ def test_a_recording_shows_its_camera_with_what_is_kept_on_the_laser_and_its_dep
         laser.sectors["near"] = ("-10deg", "10deg")
         assert image._edition > edition  # the player sends its pictures again
         assert "near" in [one["name"] for one in told("/camera/image_raw")["over"]["drawn"]]
-        # The page may put it off and on again without Python.
+        # The page may turn it off and on again without Python.
         image.overlay = False
         assert "over" in told("/camera/image_raw")
         about = told("/camera/depth/image_rect_raw")

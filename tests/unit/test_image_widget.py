@@ -1,4 +1,4 @@
-"""The image widget: what it shows, keeps, answers and refuses."""
+"""The image widget: pictures, history, answers and refusals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table of kinds: which messages are of which kind."""
+"""The table of kinds: the kind of each message type."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Large frames: the next one goes when the page has drawn the last one, and none queues."""
+"""Large frames: the next one is sent when the page has drawn the last one, and none queues."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class LargeNumber(LargeFrameWidget[Number], NumberWidget):
 
 
 class Cell:
-    """Whether one is running."""
+    """True while one is running."""
 
     runs = False
 
@@ -34,7 +34,7 @@ class Cell:
 
 @pytest.fixture
 def clock() -> ManualClock:
-    # Later than any time of the pacer, which looks again only when a test does.
+    # Later than any time of the pacer, which checks again only on demand.
     return ManualClock(1e9)
 
 
@@ -65,7 +65,7 @@ class TestCredit:
         self, credit: Credit, clock: ManualClock, draws_in: int, most: int
     ) -> None:
         every, newest, sent, sent_at, behind = 33, 0, 0, 0, []
-        for now in range(10_000):  # milliseconds, of a page that needs so many for one
+        for now in range(10_000):  # milliseconds that a page needs for one frame
             newest = now // every + 1
             if sent and now == sent_at + draws_in:
                 behind.append(newest - sent)
@@ -131,7 +131,7 @@ class TestCredit:
     def test_a_budget_takes_over_while_a_cell_keeps_answers_from_being_heard(
         self, credit: Credit, clock: ManualClock, cell: Cell, size: int, interval: float
     ) -> None:
-        credit.on_drawn("page", 0)  # in the main thread, as where the host has no other one for it
+        credit.on_drawn("page", 0)  # in the main thread, as in a host without another thread for it
         credit.sent(1, size)
         cell.runs = True
         assert credit.says_paced
@@ -172,7 +172,7 @@ class TestWidget:
 
     @staticmethod
     def draw(widget: LargeNumber, number: float, **more: object) -> None:
-        """What a page answers, in a thread of its own as with ipykernel 7."""
+        """Answer as a page, in a separate thread as with ipykernel 7."""
         answer = {"drawn": number, "page": "one", **more}
         in_a_thread(widget._handle_custom_msg, answer, [])
 

@@ -1,4 +1,4 @@
-"""`LaserWidget`: what Python code says to it and hears from it, without a page."""
+"""`LaserWidget`: its Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ class TestSettings:
         assert (laser.hovered, laser.pinned, laser.view_range) == (5, 7, 2.5)
         laser.set_state({"hovered": None, "pinned": None})
         assert (laser.hovered, laser.pinned) == (None, None)
-        assert page.sent("hovered") == [], "what the pointer does needs no echo"
+        assert page.sent("hovered") == [], "the page needs no echo of its pointer"
 
     def test_a_ray_can_be_pinned_and_let_go(self, laser: LaserWidget, page: Page) -> None:
         for index in (2, None):
@@ -487,7 +487,7 @@ class TestAngleOffset:
         pacer.flush()
         assert laser.scan.angle_min == pytest.approx(-0.5 - pi / 2)
         assert shown(laser, page.state["_frame"]).angle_min == pytest.approx(-0.5 - pi / 2)
-        assert FRAME_HEADER.unpack_from(page.state["_frame"])[0] == 1, "it is still the one scan that came"
+        assert FRAME_HEADER.unpack_from(page.state["_frame"])[0] == 1, "it is still the only scan that came"
         assert page.state["_about"]["frame_id"] == "laser"
         laser.angle_offset = 0
         assert laser.scan.angle_min == pytest.approx(-0.5)

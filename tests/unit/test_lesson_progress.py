@@ -1,4 +1,4 @@
-"""How far a student is: kept beside the notebook, shown in a line, handed in, and summed up for a class."""
+"""The progress of a student: saved next to the notebook, shown in a line, handed in, and summed up for a class."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..conftest import ROOT
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """The folder of a notebook, in which nothing is done yet."""
+    """The folder of a notebook without any progress."""
     monkeypatch.chdir(tmp_path)
     yield tmp_path
     _progress.forget()
@@ -41,7 +41,7 @@ def bumper_reflex(touch: Touch) -> tuple[float, float]:
 
 
 def wrong(turn: int) -> object:
-    """Another wrong answer for each number, as a cell of a notebook has it."""
+    """A different wrong answer for each number, as a cell of a notebook defines it."""
     import linecache
 
     source = f"def bumper_reflex(touch):\n    return 0.3, {turn}\n\n\nresult = lessons.check(bumper_reflex)\nresult"
@@ -65,7 +65,7 @@ class TestProgress:
         assert "<b>1 of 12 done</b>" in line.value
         assert progress.done == ("bumper_reflex",)
         assert "application/vnd.jupyter.widget-view+json" in progress._repr_mimebundle_()
-        assert repr(lessons.progress()) == "1 of 12 done"  # of a kernel that starts anew
+        assert repr(lessons.progress()) == "1 of 12 done"  # from a kernel that restarts
 
     def test_tries_are_different_answers_until_one_is_right_which_stays(self) -> None:
         lessons.progress()
@@ -170,7 +170,7 @@ class TestReport:
         lessons.check(bumper_reflex)
         assert lessons.report("ada.json") == "ada.json: 1 of 12 done. Hand in this file"
         assert read(folder / "ada.json") == read(folder / FILE)
-        assert lessons.report("ada.json")  # again, over the report of before
+        assert lessons.report("ada.json")  # again, over the previous report
         for name in ("ada", "ada.txt", FILE):
             with pytest.raises(ValueError, match="expected a file name with your own name"):
                 lessons.report(name)
@@ -231,7 +231,7 @@ class TestSummary:
         said = capsys.readouterr().out
         rows = {line.split()[0]: line.split()[1:] for line in said.splitlines() if line.strip()}
         assert rows["ada"] == ["·", "✓?", *"···", "✓?", *"······", "2"]
-        assert rows["cy"] == ["·", "✓?", *"···", "4", *"······", "1"]  # of both of its folders
+        assert rows["cy"] == ["·", "✓?", *"···", "4", *"······", "1"]  # from both of its folders
         assert "2 stuck at fits_through: �[2J<i>bo, di\n  2 ×  drive closer by … m" in said
         assert "not read: torn.json is damaged: " in said
         assert "\x1b" not in said

@@ -1,4 +1,4 @@
-"""The checks of the tasks: a right answer passes, and a wrong one is told what is still wrong."""
+"""The checks of the tasks: a right answer passes, and a wrong one gets a hint about its fault."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def check(name: str, answer: Callable[[Any], Any]) -> lessons.Result:
 
 
 def first_case(answer: Callable[..., Any], task: str, said: str) -> lessons.Result:
-    """Return the result of the first case of a task that says this about an answer; the cases after it take long."""
+    """Return the first result of a task that has this text for an answer; the cases after it take long."""
     results = (judged(answer, task, [case], Bounded()) for case in TASKS[task]())
     found = next((result for result in results if any(said in line for line in result.wrong)), None)
     assert found is not None, lessons.check(answer, task)
@@ -51,7 +51,7 @@ def turn_in_degrees(touch: Touch) -> tuple[float, float]:
 
 
 def keep_distance(scan: Scan, metres: float = 0.4) -> float:
-    """Backs off where it is too close, and where it sees nothing."""
+    """Backs off if it is too close, and if it sees nothing."""
     distance = ahead(scan)
     return 0.2 if distance > metres + 0.05 else 0.0 if distance > metres - 0.05 else -0.3
 
@@ -267,7 +267,7 @@ def stay_after_touch(touch: Touch, time: float, state: Any) -> Drive:
 
 
 def turn_right(scan: Scan) -> Drive:
-    """The wall on the left, in place of the right."""
+    """The wall on the left, instead of the right."""
     side = scan.distance(("40deg", "60deg"))
     if not ahead(scan) > 0.5:
         return Drive(0, -1.0)
@@ -357,7 +357,7 @@ class TestPrograms:
 
     @pytest.mark.slow
     def test_a_speed_beyond_the_limits_of_a_live_robot_is_cut_as_there(self) -> None:
-        def fast(scan: Scan) -> Drive:  # from 1.2 m/s, the most that the motors can, it would take 0.7 m to stop
+        def fast(scan: Scan) -> Drive:  # from 1.2 m/s, the top speed of the motors, it would take 0.7 m to stop
             return Drive(9.0) if scan.distance("front") > 0.66 else Drive()
 
         result = lessons.check(fast, "stop_before_wall")

@@ -1,4 +1,4 @@
-"""The check of locks in every test finds what it is for."""
+"""The check of locks in every test finds wrong orders."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .lock_order import Checked, NotedLock, calls, edges, listed, problems_of
 
 
 def taken_by(*locks: NotedLock) -> None:
-    """Have a thread take locks, one while it holds those before."""
+    """Make a thread take locks, each while it holds the previous ones."""
 
     def take() -> None:
         for lock in locks:

@@ -1,4 +1,4 @@
-"""A kind of which all topics of a namespace share a widget follows from its row, as one of a single topic does."""
+"""A kind whose topics share a widget by namespace follows from its row, like a kind of a single topic."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_a_player_shows_all_of_a_namespace_in_one_widget_at_any_time(recording: 
         assert shown.seconds == pytest.approx({"left": 1.1, "right": 1.104})
         player.time = 0.25
         assert view.widget.gauges["left"].value == 2.0
-        assert view.widget.gauges.seconds["right"] == float("-inf"), "nothing came of it yet"
+        assert view.widget.gauges.seconds["right"] == float("-inf"), "it has no message yet"
     finally:
         player.close()
 

@@ -1,4 +1,4 @@
-"""The path widget as a map: what it takes, in which frame it draws that, and what the page gets."""
+"""The path widget as a map: its inputs, the frame of its drawing, and the data for the page."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .waiting import wait_for
 
 
 def shown(path: PathWidget) -> dict[str, Placed]:
-    """What each layer shows, by its name, as the page gets it."""
+    """The content of each layer, by its name, as the page gets it."""
     path.send_newest()
     names = {layer["number"]: layer["name"] for layer in path.get_state()["_map"]["layers"]}
     frame = path.get_state()["_frame"]
@@ -66,7 +66,7 @@ def scan_in(frame: str) -> Any:
 
 
 def drawn_in(path: PathWidget) -> dict[str, str | None]:
-    """The frame in which each layer is drawn, as the page is told it; None for none."""
+    """The frame in which each layer is drawn, as sent to the page, or None."""
     path.send_newest()
     return {layer["name"]: layer.get("frame") for layer in path.get_state()["_map"]["layers"]}
 
@@ -290,7 +290,7 @@ class TestMapFiles:
     @pytest.mark.parametrize(
         ("mode", "cells"),
         [
-            # Trinary takes the mean of red, green, blue and alpha: 0, 0.5 and 0.75 of white for what is transparent.
+            # Trinary uses the mean of red, green, blue and alpha: 0, 0.5 and 0.75 of white for transparent pixels.
             ("trinary", [[100, 0, -1, -1, 0]]),
             # Scale: each pixel that is not opaque is unknown.
             ("scale", [[100, 0, -1, -1, -1]]),
@@ -402,7 +402,7 @@ class TestFrames:
         path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
         path.put("/other", stamped("camera", 5.0, 6.0, 0.0))
         path.put("/scan", scan_in("base_link"))
-        path.put("/far", scan_in("truck"))  # which is on no map
+        path.put("/far", scan_in("truck"))  # which is not on a map
         assert shown(path)["/other"].pose == (5.0, 6.0, 0.0)
         assert drawn_in(path) == {"/odom": "odom", "/other": "camera", "/scan": "odom", "/far": None}
         assert missing(path) == {"/far": "not drawn: no transform to odom"}
@@ -561,7 +561,7 @@ class TestLayers:
         path = PathWidget()
         path.update("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
         assert path.pose is not None
-        assert (path.pose.x, path.names) == (1.0, ()), "one topic of poses is a path, as ever"
+        assert (path.pose.x, path.names) == (1.0, ()), "one topic of poses is a path, as before"
         path.update("/amcl_pose", scene.amcl(Pose(1.0, 2.0, 0.0), 1.0))
         path.update("/odom", scene.odometry(Pose(2.0, 0.0, 0.0), 2.0))
         assert path.names == ("/odom", "/amcl_pose")
@@ -649,7 +649,7 @@ def map_of(player: Any) -> Any:
 
 
 def way_of(player: Any) -> Any:
-    """The frame of the map, and the ways of its layers by their numbers."""
+    """The frame of the map, and the paths of its layers by their numbers."""
     whole = map_of(player).widget.whole_map
     return whole.frame, dict(whole.tracks())
 

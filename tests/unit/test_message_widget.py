@@ -1,4 +1,4 @@
-"""`MessageWidget`: what it packs of messages of any type, what it refuses, and what Python hears of it."""
+"""`MessageWidget`: packing of messages of any type, refusals, and the values that Python receives."""
 
 from __future__ import annotations
 
@@ -326,7 +326,7 @@ class TestPython:
 
 
 def differences(value: Any, got: Sent, path: str) -> Iterator[str]:
-    """The paths of what the page has in another way than a message of rosbags."""
+    """The paths at which the page's values differ from a message of rosbags."""
     if hasattr(value, "__msgtype__"):
         if path in got.nodes and got.nodes[path]["kind"] == "time":
             if got.values[path] != [value.sec, value.nanosec]:
@@ -377,7 +377,7 @@ def test_the_page_has_each_number_of_real_recordings_to_the_last_bit(data: Path)
 
 
 def _all_of(message: Any) -> Sent:
-    """What the page has of a message when a person has unfolded all of it."""
+    """The message data in the page after the user has unfolded all of it."""
     widget = MessageWidget()
     try:
         while True:

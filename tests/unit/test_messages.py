@@ -1,4 +1,4 @@
-"""`to_scan`, `to_speed` and `to_range` take what each source hands over, and say what is odd."""
+"""`to_scan`, `to_speed` and `to_range` accept the messages of each source, and report odd ones."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ class TestRange:
 
 
 def odd(scan: Scan) -> tuple[str, ...]:
-    """The problems of a scan, each of which has a remedy."""
+    """The problems of a scan, each with a remedy."""
     assert all(problem.remedy for problem in scan.problems())
     return tuple(problem.what for problem in scan.problems())
 

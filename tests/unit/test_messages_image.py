@@ -1,4 +1,4 @@
-"""Pictures: which messages and arrays are understood, and what is wrong with others."""
+"""Pictures: the messages and arrays that are understood, and the errors for others."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from robowidgets.samples import Image
 
 
 def message(values: np.ndarray[Any, Any], encoding: str, *, fill: int = 0, big: bool = False) -> SimpleNamespace:
-    """An Image with so many bytes after each row."""
+    """An Image with this number of extra bytes after each row."""
     rows, columns = values.shape[:2]
     data = np.ascontiguousarray(values.astype(values.dtype.newbyteorder(">" if big else "<")))
     lines = data.reshape(rows, -1).view(np.uint8)

@@ -1,4 +1,4 @@
-"""What the package calls its own."""
+"""The names of the package."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_a_private_name_that_is_not_there_is_said_plainly() -> None:
 
 
 def definitions(tree: ast.Module, path: str) -> Iterator[tuple[str, str]]:
-    """The classes of a module and its names for types, each with what tells it from another of the same name."""
+    """The classes of a module and its type aliases, each with what distinguishes it from another of the same name."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ClassDef):
             yield node.name, f"{path}:{node.lineno}"
@@ -51,7 +51,7 @@ def definitions(tree: ast.Module, path: str) -> Iterator[tuple[str, str]]:
 
 
 def test_a_name_stands_for_one_type() -> None:
-    """Private ones, which no other module names, are left out."""
+    """Leaves out private names that no other module uses."""
     found: dict[str, set[str]] = {}
     for path in Path(robowidgets.__file__).parent.rglob("*.py"):
         if "node_modules" not in path.parts:
@@ -100,7 +100,7 @@ def test_a_name_that_a_module_never_had_is_said_plainly() -> None:
 
 
 def test_no_test_sets_a_trace_function() -> None:
-    """CPython 3.11 spins in every function that follows an error which a trace function raised, without an end."""
+    """CPython 3.11 loops forever in every function after an error that a trace function raised."""
     refused = {"setprofile", "setprofile_all_threads", "settrace", "settrace_all_threads"}
     texts = {
         path: path.read_text(encoding="utf-8")
@@ -131,4 +131,4 @@ def test_a_failed_test_is_not_repeated() -> None:
     files += [*(ROOT / "scripts").glob("*.sh"), *(ROOT / ".github" / "workflows").glob("*.yml")]
     files += [path for path in (ROOT / "tests").rglob("*.py") if path != Path(__file__)]
     found = [path for path in files if re.search("--reruns|rerunfailures|mark.flaky", path.read_text(encoding="utf-8"))]
-    assert not found, "mend the tests that fail sometimes"
+    assert not found, "fix the tests that fail sometimes"

@@ -1,4 +1,4 @@
-"""What a plot takes, what it refuses, and what it sends to the page."""
+"""The plot: its inputs, its refusals, and its messages to the page."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ def rows_of(frame: bytes) -> list[tuple[int, ThinRows]]:
 
 
 def sent(plot: PlotWidget) -> list[tuple[int, ThinRows]]:
-    """What a new page gets of all lines."""
+    """The data of all lines for a new page."""
     return rows_of(plot.get_state()["_lines"])
 
 
-# What is shown
+# Lines on show
 
 
 def test_each_value_of_an_array_reaches_the_page_to_the_last_bit(plot: PlotWidget) -> None:
@@ -237,7 +237,7 @@ def test_what_is_on_show_of_a_long_line_rests_after_each_time_as_long_as_that_co
     assert came == [0] * 7 + [7] * 2
     plot.window = 1.0
     plot._compose()
-    assert rows_of(plot._detail)[0][1].values[-1] == 8, "what is looked at comes at once"
+    assert rows_of(plot._detail)[0][1].values[-1] == 8, "the visible part comes at once"
 
 
 def test_the_oldest_values_go_when_there_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,7 +255,7 @@ def test_a_slope_is_the_change_per_second() -> None:
     assert np.array_equal(found, [nan, 2.0, nan, -2.0], equal_nan=True)
 
 
-# What is refused
+# Refusals
 
 
 @pytest.mark.parametrize(

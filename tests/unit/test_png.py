@@ -1,4 +1,4 @@
-"""What `save_png` asks of a page, what it does with the answers, and what it refuses at once."""
+"""`save_png`: its questions to a page, the use of the answers, and immediate refusals."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ URL = "data:image/png;base64," + base64.b64encode(PICTURE).decode()
 
 
 class Page:
-    """Stands in for the comm of a widget: keeps what is asked, and answers when told to."""
+    """Stands in for the comm of a widget: keeps the questions, and answers on demand."""
 
     comm_id = "page"
 
@@ -43,11 +43,11 @@ class Page:
             self.told += [*data["state"], *(path[0] for path in data["buffer_paths"])]
 
     def answer(self, number: int | None = None, url: str = URL) -> None:
-        """Answer a question, the last one if not told which."""
+        """Answer a question, by default the last one."""
         self._widget._handle_custom_msg({"png": self.asked[-1] if number is None else number, "url": url}, [])
 
     def fail(self, error: str) -> None:
-        """Say that the picture of the last question could not be drawn."""
+        """Answer that the picture of the last question could not be drawn."""
         self._widget._handle_custom_msg({"png": self.asked[-1], "error": error}, [])
 
     def on_msg(self, callback: object) -> None:
@@ -70,7 +70,7 @@ def page(widget: Drawn) -> Page:
 
 
 def run(coroutine: Coroutine[Any, Any, T]) -> T:
-    """Run to the end in a thread of its own: where browsers are tested too, the main one has a loop already."""
+    """Run to the end in a separate thread: if browsers are tested too, the main thread has a loop already."""
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(asyncio.run, coroutine).result()
 
@@ -187,7 +187,7 @@ class TestWhatGoesWrongLater:
         assert words in caplog.text
         widget.save_png(tmp_path / "a.png")
         assert not notes(widget)
-        page.answer()  # what nobody answers is logged ten seconds later, in another test
+        page.answer()  # an unanswered question is logged ten seconds later, in another test
 
     def test_silence_is_said_and_a_late_answer_taken(
         self, widget: Drawn, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

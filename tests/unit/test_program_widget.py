@@ -1,4 +1,4 @@
-"""`ProgramWidget`: what the page is told of a program, and what it may ask for."""
+"""`ProgramWidget`: the messages to the page about a program, and the requests of the page."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def widget(robot: Feed) -> Iterator[ProgramWidget]:
 
 
 def hear(widget: ProgramWidget, **content: Any) -> None:
-    """A message of the page, with a new token unless it has one."""
+    """Send a message of the page, with a new token unless it has one."""
     widget._handle_custom_msg({"press": "view", "token": widget._tokens.issue(), **content}, [])
 
 

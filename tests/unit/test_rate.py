@@ -6,7 +6,7 @@ from robowidgets._core.rate import RateMeter
 
 
 def rate(*times: float, asked_after: int = 1) -> float:
-    """Of arrivals at these times, when it is asked after every so many of them."""
+    """The rate of arrivals at these times, asked after every so many of them."""
     meter, told = RateMeter(), nan
     for count, time in enumerate(times, 1):
         if count % asked_after == 0:
@@ -44,7 +44,7 @@ def test_the_past_is_forgotten() -> None:
 
 
 def sag_of(*rates: float) -> tuple[bool, float]:
-    """Of arrivals at rates that last for 20 s each: whether the last has sagged, and which rate is usual."""
+    """From arrivals at rates that last for 20 s each: True if the last has sagged, and the usual rate."""
     meter, now, count = RateMeter(), 100.0, 0
     for hz in rates:
         for _ in range(round(20 * hz)):

@@ -114,7 +114,7 @@ class TestValidity:
 class TestNearest:
     def test_only_a_sector_may_count_also_across_the_ends_of_a_circle(self) -> None:
         one = scan([1.0, 2.0, 3.0, 0.5], angle_min=0.0, angle_increment=pi / 2)
-        assert one.nearest((0, 6.29)) == one[3], "a full turn may be typed with few digits"
+        assert one.nearest((0, 6.29)) == one[3], "a full turn may be given with few digits"
         found = [one.nearest(sector) for sector in (ALL_ROUND, (-0.1, 0.1), (pi / 2, pi), (-pi / 2, 0.0), (0.1, 0.2))]
         assert [ray and ray.index for ray in found] == [3, 0, 1, 3, None]
 

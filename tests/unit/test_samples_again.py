@@ -1,4 +1,4 @@
-"""`Scan.again`: the next sweep of a scanner, without checking anew what does not change."""
+"""`Scan.again`: the next sweep of a scanner, without checking unchanged values again."""
 
 from __future__ import annotations
 

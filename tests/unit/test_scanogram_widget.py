@@ -128,7 +128,7 @@ def test_it_answers_what_the_page_looks_at(scanogram: ScanogramWidget) -> None:
         facts_of(scanogram._frame)["edition"],
     )
     scanogram.update(**scans())
-    assert scanogram._detail == b"", "what it knew of other scans is gone"
+    assert scanogram._detail == b"", "details of earlier scans are gone"
 
 
 def test_it_sends_medians_in_place_of_the_nearest_when_asked() -> None:

@@ -33,7 +33,7 @@ def circle(step: float = 1.0, first: float = 0.0) -> Scan:
 
 
 def pasted(code: str, **names: Any) -> Any:
-    """What a cell shows in which code was pasted."""
+    """The output of a cell into which code was pasted."""
     *lines, last = code.rstrip().split("\n")
     values = {"np": np, **names}
     exec("\n".join(lines), values)
@@ -280,7 +280,7 @@ class TestWidget:
         assert laser.selection is None
         laser.selection = ("20deg", "30deg")
         laser.sectors = {}
-        assert laser.selection is not None  # it is no kept one
+        assert laser.selection is not None  # it was not in `sectors`
         laser.selection = None
         laser.pinned = 30
         assert laser.code() == 'scan.distance(("29.9deg", "30.1deg"))'

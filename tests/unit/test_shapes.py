@@ -1,4 +1,4 @@
-"""What programs draw on a scan."""
+"""Shapes that programs draw on a scan."""
 
 from __future__ import annotations
 
@@ -241,7 +241,7 @@ class TestInAPlayer:
             player.close()
 
     def shapes(self, player: Any, start: float) -> tuple[list[dict[str, Any]], list[str]]:
-        """What is drawn on the scan at a time, and the notes on it."""
+        """The shapes on the scan at a time, and the notes on it."""
         frame = next(iter(player.views[0].track.frames(start, start)))
         return frame.about.get("shapes", []), frame.about.get("notes", [])
 

@@ -1,4 +1,4 @@
-"""What `make check` tells of the size of the front end."""
+"""The report of `make check` on the size of the front end."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ NOTHING_BELOW = {**DISTANCE, "min_range": 0.1, "max_range": 0.1, "range": inf}
 
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three seconds at 5 Hz: at second s every sonar measures 3 m - s; one beside them says that there is a floor."""
+    """Three seconds at 5 Hz: at second s every sonar measures 3 m - s; another sensor reports a floor."""
     names = [*RING, CLIFF.name]
     messages = (
         (i / 5, name, {**here, "header": stamped(START_NS + i * 200_000_000, name[1:].replace("/", "_"))})

@@ -1,4 +1,4 @@
-"""`SonarWidget` and `Ranges`: what Python code says to them and hears from them, without a page."""
+"""`SonarWidget` and `Ranges`: their Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class TestUpdate:
         ]
         assert isnan(sonars["left"].distance)
         sonars.update(sensor=1.5, reading=2.5)
-        assert (sonars["sensor"].range, sonars["reading"].range) == (1.5, 2.5), "any name may be one of a sensor"
+        assert (sonars["sensor"].range, sonars["reading"].range) == (1.5, 2.5), "any name may be the name of a sensor"
 
     def test_takes_all_ranges_of_a_moment_in_place_of_those_there(self, sonars: SonarWidget) -> None:
         sonars.update("front", 0.42)
@@ -349,7 +349,7 @@ def test_sensors_are_where_tf_has_their_frames_and_the_table_of_a_person_comes_f
     frame = sonars.get_state()["_frame"]
     rows = np.frombuffer(frame, "<f4", offset=len(frame) - 9 * 2 * 4).reshape(9, 2)
     assert rows[6:, 0] == pytest.approx([0.2, 0.0, -pi / 2])
-    # The page goes by the table before it goes by the reading.
+    # The page uses the table before the reading.
     assert sonars.get_state()["poses"]["left"][2] == pytest.approx(pi / 2)
 
 

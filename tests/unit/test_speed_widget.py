@@ -1,4 +1,4 @@
-"""`SpeedWidget`: what Python code says to it and hears from it, without a page."""
+"""`SpeedWidget`: its Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ STAMPED = {"header": {"stamp": {"sec": 3, "nanosec": 4}, "frame_id": "base_link"
 
 
 def sent(speed: SpeedWidget) -> tuple[int, list[float], list[float], list[float], list[float]]:
-    """What a page that opens now gets: what is there, measured, commanded, least, greatest."""
+    """The data for a newly opened page: axes in use, measured, commanded, least, greatest."""
     frame = speed.get_state()["_frame"]
     there, _, _, _, *values = struct.unpack_from("<ddqd26d", frame, FRAME_HEADER.size)
     assert len(frame) == FRAME_HEADER.size + struct.calcsize("<ddqd26d")

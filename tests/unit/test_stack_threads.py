@@ -1,4 +1,4 @@
-"""Threads on stacks that are put aside, and what the page and Python make of each other's values, without a browser."""
+"""Threads on stacks that are put aside, and the exchange of values between the page and Python, without a browser."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .. import stack_cases
 
 
 class Null:
-    """What Pyodide has for null."""
+    """Pyodide's value for null."""
 
 
 NULL = Null()
@@ -24,7 +24,7 @@ NULL = Null()
 
 @pytest.fixture(scope="module")
 def wrong() -> dict[str, str]:
-    """What went wrong in each case, in a process of their own: they replace what is below `threading`."""
+    """The failures of each case, in a process of their own: they replace the base of `threading`."""
     command = [sys.executable, stack_cases.__file__]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr

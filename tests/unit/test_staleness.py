@@ -1,4 +1,4 @@
-"""The rules of what is stale, which all stand in one module for each half."""
+"""The rules of staleness, which are all in one module for each half."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`StopWidget`: who drives, the latch, and how messages reach it beside a running cell."""
+"""`StopWidget`: the driver, the latch, and the messages that reach it while a cell runs."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def bar(feed: Feed) -> Iterator[StopWidget]:
 
 
 def hear(bar: StopWidget, act: str, **more: Any) -> None:
-    """A message of the page."""
+    """Send a message of the page."""
     bar._handle_custom_msg({"act": act, "press": "view", **more}, [])
 
 
@@ -104,7 +104,7 @@ def test_a_zero_that_fails_is_told_until_it_was_sent(feed: Feed, script: Scripte
     bar.stopped = True
     text = "The robot could not be told to stop: FeedError: no room"
     wait_for(lambda: page.state["_state"]["error"] == text, "it is told")
-    assert page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "as far as is known it moves"
+    assert page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "it is assumed to move"
     script.broken = ""
     wait_for(lambda: page.state["_state"]["error"] == "", "the zero was sent after all")
     assert page.state["_state"]["speed"] == ZERO

@@ -1,4 +1,4 @@
-"""A page in a file, of a recording: what is written, how large it is, and what is refused."""
+"""A page in a file, from a recording: its content, its size, and the refusals."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class Part:
 
 @pytest.mark.slow
 def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> None:
-    """At most 0.6 times their topics as MCAP with zstd and 170 kB, but for readings that are noise."""
+    """At most 0.6 times the size of its topics as MCAP with zstd and 170 kB, except for noisy readings."""
     for name in ("hokuyo_people.bag", "tilt_laser.bag", "urg_681.bag", "neato_fsm_zstd.mcap", "edmonton.log.gz"):
         file = data / "good" / name
         with robowidgets.open(file) as recording:
@@ -109,7 +109,7 @@ def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> N
 
 def test_numbers_keep_the_sign_of_zero() -> None:
     assert _pack_column(np.array([0.0, 0.5]))[0] == 10**6
-    assert _pack_column(np.array([-0.0, 0.5]))[0] == 0, "the bits are packed as they are"
+    assert _pack_column(np.array([-0.0, 0.5]))[0] == 0, "the bits are packed unchanged"
 
 
 def test_a_scanner_whose_number_of_rays_changes_takes_no_more(tmp_path: Path) -> None:

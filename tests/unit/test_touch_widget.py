@@ -1,4 +1,4 @@
-"""`TouchWidget`: what Python code says to it and hears from it, without a page."""
+"""`TouchWidget`: its Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def rows(frame: bytes) -> Rows:
 
 
 def sent(touch: TouchWidget) -> Rows:
-    """What a page that opens now gets."""
+    """The data for a newly opened page."""
     return rows(touch.get_state()["_frame"])
 
 
 @pytest.fixture
 def next_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[TouchWidget], Rows]:
-    """Waits for what a widget sends to the page next, one by one."""
+    """Waits for the next messages of a widget to the page, one by one."""
     frames: Queue[tuple[BaseComm, bytes]] = Queue()
 
     def send(comm: BaseComm, data: dict, metadata: object = None, buffers: list[bytes] = ()) -> None:
@@ -194,7 +194,7 @@ class TestPage:
         def send(*_: object, **__: object) -> None:
             if closing.ident is None:  # the pacer may send, too
                 closing.start()
-            closing.join(0.05)  # as far as it comes while something is being sent
+            closing.join(0.05)  # the part that comes while something is being sent
 
         touch.update(contact("bumper"))
         pacer.flush()

@@ -50,7 +50,7 @@ class TestPoses:
         poses.add(Pose(0.0, 0.0, 0.0), 10.0, 100 * S)
         poses.add(Pose(1.0, 0.0, 0.0), 11.0, 101 * S)
         assert poses.at(11.0, 100 * S) == (0, 0, 0)
-        assert poses.at(11.0, 900 * S) == (1, 0, 0), "of another clock"
+        assert poses.at(11.0, 900 * S) == (1, 0, 0), "from another clock"
         assert poses.at(10.5, None) == (0.5, 0, 0)
         poses.add(Pose(nan, 0.0, 0.0), 11.5, 102 * S)
         poses.add(Pose(2.0, 0.0, 0.0), 12.0, None)
@@ -76,7 +76,7 @@ class TestTrail:
             }
         )
         laser.update(scan(1.0, stamp_ns=7 * S))
-        assert "pose" not in laser.get_state()["_about"], "there is no path in its view"
+        assert "pose" not in laser.get_state()["_about"], "no path is in its view"
         together(laser, path)
         laser.update(scan(1.0, stamp_ns=7 * S))
         assert laser.get_state()["_about"]["pose"] == pytest.approx([1.0, 2.0, pi / 2], abs=1e-5)

@@ -1,4 +1,4 @@
-"""What a condition says of one sample."""
+"""The verdict of a condition on one sample."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class TestFunction:
             (lambda s: any(r < 0.42 for r in s.ranges), [0]),
             (lambda s: s.ranges.min() < 0.5, [0]),
             (lambda s: np.nanmin(s.ranges) < 0.5, [0]),
-            (lambda s: np.sort(s.ranges)[1] < 0.5, []),  # the index is not that of a ray
+            (lambda s: np.sort(s.ranges)[1] < 0.5, []),  # the index does not belong to a ray
             (lambda s: s.ranges.copy()[1] > 0.5, []),
             (lambda s: s.turned("10deg").distance("front") < 0.5, [0, 2, 3]),
         ],

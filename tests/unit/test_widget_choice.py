@@ -1,4 +1,4 @@
-"""Which topics share a widget."""
+"""The topics that share a widget."""
 
 from __future__ import annotations
 

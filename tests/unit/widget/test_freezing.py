@@ -1,4 +1,4 @@
-"""What all widgets share: they hold still, and go on with the newest."""
+"""Common to all widgets: they freeze, and continue with the newest sample."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class TestFreezing:
         pacer.flush()
         assert widget.paused is True
         assert number_in(widget._frozen_frame) == 1
-        assert page.sent("_frozen_frame") == [], "what the page said needs no echo"
+        assert page.sent("_frozen_frame") == [], "the page needs no echo of its own message"
         assert number_in(page.state["_frame"]) == 3
 
     def test_a_person_steps_back_while_frozen(self, widget: NumberWidget, page: Page) -> None:

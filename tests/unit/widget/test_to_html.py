@@ -1,4 +1,4 @@
-"""A widget as a page in a file: with its history, and as it is."""
+"""A widget as a page in a file: with its history, and in its present state."""
 
 from __future__ import annotations
 

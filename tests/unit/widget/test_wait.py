@@ -1,4 +1,4 @@
-"""What all widgets share: a program waits for the next sample, and is never given an old one."""
+"""Common to all widgets: a program waits for the next sample, and never gets an old one."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from .number_widget import NumberWidget, in_a_thread
 
 
 def feed_at(rate: float, clock: Clock, update: Callable[[], object]) -> None:
-    """Hand a widget samples for so long that its rate is known, and read by somebody meanwhile."""
+    """Give a widget samples until its rate is known."""
     for _ in range(20):
         clock.now += 1 / rate
         update()
 
 
 class Waits(Waiters):
-    """Those that wait for a widget; it keeps the time-outs, and waits for none of them."""
+    """The waits for a widget; records the time-outs, and skips the waiting."""
 
     def __init__(self, lock: Any) -> None:
         super().__init__(lock)
@@ -71,7 +71,7 @@ class TestTheNextOne:
         given: list[tuple[int, int]] = []
         for _ in range(50):
             in_a_thread(lambda: given.append((threading.get_ident(), widget.wait(0).value)))
-        assert len({ident for ident, _ in given}) < 50, "the system gave no number again"
+        assert len({ident for ident, _ in given}) < 50, "the system reused the number"
         assert [value for _, value in given] == [1] * 50
 
     def test_what_is_shown_anew_is_not_the_next_one(self) -> None:
@@ -124,7 +124,7 @@ class TestTheTimeout:
         feed_at(rate, clock, lambda: (widget.update(1), widget.wait()))
         with pytest.raises(TimeoutError):
             widget.wait()
-        assert waits.timeouts[0] == 10, "of a first sample there is no rate"
+        assert waits.timeouts[0] == 10, "a first sample has no rate"
         assert waits.timeouts[-1] == pytest.approx(seconds)
 
     def test_is_ten_seconds_before_the_first(self, widget: NumberWidget) -> None:

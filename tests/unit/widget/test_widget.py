@@ -1,4 +1,4 @@
-"""What all widgets share: names, the way of a sample to the page, and words when something is wrong."""
+"""Common to all widgets: names, the path of a sample to the page, and the texts of errors."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class TestNames:
             NumberWidget(1)
         with pytest.raises(traitlets.TraitError, match="'paused' trait of a NumberWidget"):
             NumberWidget(paused="soon")
-        gc.collect()  # pytest turns what __del__ raises into a warning, and configuration turns that into a failure
+        gc.collect()  # pytest turns errors in __del__ into a warning, and configuration turns that into a failure
 
 
 class TestToThePage:
