@@ -213,7 +213,7 @@ player
 """
 
 
-def test_a_player_and_a_page_show_the_cloud_beside_its_scan(
+def test_a_player_and_a_page_show_the_cloud_next_to_its_scan(
     plain_page: Callable[..., PlainPage], static_page: Callable[[Path], Page], data: Path, tmp_path: Path
 ) -> None:
     """A SICK LMS1xx also sends each scan as a cloud: all three report the same nearest point."""

@@ -363,7 +363,7 @@ pad
 """
 
 
-def test_beside_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once(
+def test_during_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once(
     notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([PROGRAM])
@@ -400,7 +400,7 @@ def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[PlainPage]:
     nb._namespace["runs"] = False
 
 
-def test_a_kernel_that_does_not_answer_is_not_said_to_have_stopped_a_program(driven_page: PlainPage) -> None:
+def test_a_kernel_that_does_not_answer_is_not_reported_to_have_stopped_a_program(driven_page: PlainPage) -> None:
     nb = driven_page
     says(nb, "a program drives")
     with nb.busy():
@@ -457,7 +457,7 @@ def test_two_pads_of_one_robot_give_way_to_the_newest_press(plain_page: Callable
     says(nb, "driven from another pad", 0)
 
 
-def test_what_is_wrong_is_said(plain_page: Callable[..., PlainPage]) -> None:
+def test_what_is_wrong_is_reported(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page(["from robowidgets import DriveWidget\npad = DriveWidget()\npad"])
     says(nb, "no feed")
     nb.python(

@@ -136,7 +136,7 @@ def test_in_narrow_cells_nothing_is_cut_and_stop_comes_first(
 
 
 @pytest.mark.core
-def test_one_freeze_freezes_all_pictures_of_the_view_beside_a_busy_cell(plain_page: Callable[..., PlainPage]) -> None:
+def test_one_freeze_freezes_all_pictures_of_the_view_during_a_busy_cell(plain_page: Callable[..., PlainPage]) -> None:
     nb = opened(plain_page, "turtlebot3")
     nb.resize(1112, 720)
     freeze, cards = nb.output(2).locator(".rw-freeze-all"), nb.output(2).locator(".rw-frozen")

@@ -262,7 +262,7 @@ VBox([drive, laser])
 
 
 @every_theme
-def test_pictures_of_what_was_found(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+def test_pictures_of_found_moments(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
     nb = plain_page([FOUND], scale=2, theme=theme)
     nb.resize(764, height=1600)
     drive = nb.output(0).locator(".rw-scanogram")

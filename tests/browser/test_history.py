@@ -206,7 +206,7 @@ def test_a_finger_drags(plain_page: Callable[..., PlainPage]) -> None:
     expect(card.locator(".rw-nearest")).to_have_text(re.compile("0.61 m"))
 
 
-def test_silence_and_the_words_of_a_feed_are_told(plain_page: Callable[..., PlainPage]) -> None:
+def test_silence_and_the_messages_of_a_feed_are_shown(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([TWENTY])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")

@@ -559,7 +559,7 @@ def test_the_bar_of_the_first_view_counts_what_the_kernel_loads_then_and_no_more
     assert first_view + (0 if NUMPY else NUMPY_SIZE) < FIRST_VIEW
 
 
-def test_a_notebook_has_the_modules_beside_it_and_on_the_next_visit_what_it_wrote(kinds: Lite) -> None:
+def test_a_notebook_has_the_modules_in_its_folder_and_on_the_next_visit_its_written_files(kinds: Lite) -> None:
     kinds.run(4, "from beside kept nothing")
     kinds.open()
     kinds.run(4, "from beside kept of before")
@@ -605,7 +605,7 @@ def test_the_lock_names_each_file_by_its_hash_and_all_that_each_needs(site: Site
     assert {"robowidgets", "anywidget", "ipython", "pyodide-kernel"} <= packages.keys()
 
 
-def test_every_link_of_a_notebook_leads_to_one_beside_it(site: Site) -> None:
+def test_every_link_of_a_notebook_leads_to_one_next_to_it(site: Site) -> None:
     files = site.server.folder / "files"
     notebooks = [file for file in files.rglob("*.ipynb") if file.parent.name != "tests"]
     there = {"tour.ipynb", "de/from_picture_to_code.ipynb", "studies/take_part.ipynb", "studies/compare.ipynb"}
@@ -623,7 +623,7 @@ def test_every_link_of_a_notebook_leads_to_one_beside_it(site: Site) -> None:
         ("none.whl", "No such file or directory: 'none.whl'. Name the file of https://cdn.jsdelivr.net/pyodide/v"),
     ],
 )
-def test_another_file_than_that_of_pyodide_is_no_numpy(
+def test_another_file_than_pyodides_is_not_numpy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str, said: str
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -135,7 +135,7 @@ def after_a_restart_the_cells_run_again_and_a_closed_widget_goes(nb: Notebook) -
     nb.python("laser.update(**fan())\nlaser.paused = False")
 
 
-def test_a_bad_message_in_a_thread_is_told_and_the_last_good_picture_stays(
+def test_a_bad_message_in_a_thread_is_reported_and_the_last_good_picture_stays(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([FIRST])

@@ -71,7 +71,7 @@ def test_wheel_buttons_keys_fit_and_python_zoom(plain_page: Callable[..., PlainP
     eventually(lambda: "19 beyond 1.5 m" in words(card), True)
 
 
-def test_auto_is_decided_by_the_first_reading_unless_a_person_has_zoomed(plain_page: Callable[..., PlainPage]) -> None:
+def test_auto_is_decided_by_the_first_reading_unless_the_user_has_zoomed(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([f"{SETUP}\nlaser.view_range = 'auto'\nlaser", "zoomed = LaserWidget(view_range='auto')\nzoomed"])
     update = "update(ranges=np.full(9, {metres}), angle_min=-1, angle_increment=0.25, range_min=0.1, range_max=30.0)"
     card = nb.widget(0).locator(".rw-card")

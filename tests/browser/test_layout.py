@@ -211,7 +211,7 @@ def test_the_boxes_of_cards_that_are_put_into_a_shadow_root_know_of_them(plain_p
     expect(row.locator(".rw-laser").locator("..")).to_have_css("margin-right", "6px")
 
 
-def test_a_recording_in_a_cell_of_848_pixels_has_its_scanogram_beside_the_laser_in_the_first_screen(
+def test_a_recording_in_a_cell_of_848_pixels_has_its_scanogram_next_to_the_laser_on_the_first_screen(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page(["import robowidgets\nrecording = robowidgets.open(robowidgets.SAMPLE)", "recording.show()"])

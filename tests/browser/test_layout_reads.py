@@ -198,7 +198,7 @@ def test_a_scan_is_painted_before_the_page_is_changed_and_only_texts_that_differ
     assert nb.page.evaluate("() => told") == {"same": [], "before": [], "nodes": []}
 
 
-def test_cards_whose_samples_say_the_same_leave_the_page_alone_beside_a_live_laser(
+def test_cards_with_unchanged_samples_leave_the_page_alone_next_to_a_live_laser(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([SPEED, TOUCH, STUDENT, PATH, IMU, LASER, BESIDE], height=3000)

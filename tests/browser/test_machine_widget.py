@@ -212,7 +212,7 @@ program = robot.program(Goer, rate=20)
 
 
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
-def test_a_click_goes_to_a_state_numbers_stand_beside_events_and_a_failed_state_is_marked(
+def test_a_click_goes_to_a_state_numbers_stand_next_to_events_and_a_failed_state_is_marked(
     plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
 ) -> None:
     nb = plain_page([OPEN, GO], width=740, theme=theme, scale=scale)

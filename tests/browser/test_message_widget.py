@@ -208,7 +208,7 @@ def test_a_player_shows_the_message_of_each_time_and_copies_the_code_that_reads_
     shoot(card, "message-player")
 
 
-def test_a_number_of_a_recording_is_plotted_beside_it_by_a_click(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_click_plots_a_number_of_a_recording_next_to_it(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([IMU, RECORDED])
     alone = row(nb.widget(0).locator(".rw-card"), "angular_velocity.z")
     alone.hover()

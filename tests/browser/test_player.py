@@ -186,7 +186,7 @@ def test_a_widget_keeps_the_keys_that_it_uses_itself(plain_page: Open, tmp_path:
     expect(play).to_have_attribute("title", "Play (space)")
 
 
-def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
+def test_the_date_and_time_of_day_stand_next_to_the_seconds_if_there_is_room(
     plain_page: Open, data: Path, tmp_path: Path
 ) -> None:
     nb = opened(plain_page, robot.write(tmp_path / "night", silence=7200))
@@ -215,7 +215,7 @@ def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
     expect(bar(nb).locator(".rw-play-clock")).to_be_hidden()
 
 
-def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(
+def test_a_scanogram_that_is_left_out_is_reported_under_the_bar(
     plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(_overview, "FEW", 10)
@@ -256,9 +256,7 @@ def test_before_the_first_scan_one_sentence_says_so(plain_page: Open, data: Path
     shoot(laser, "player-before-the-first-scan")
 
 
-def test_a_step_crosses_hours_of_silence_in_which_what_is_shown_is_told_to_be_old(
-    plain_page: Open, tmp_path: Path
-) -> None:
+def test_a_step_crosses_hours_of_silence_in_which_the_view_is_marked_as_old(plain_page: Open, tmp_path: Path) -> None:
     nb = opened(plain_page, robot.write(tmp_path / "night", silence=7200))
     said = nb.output(1).locator(".rw-laser .rw-silence")
     bar(nb).locator("input").focus()
@@ -313,7 +311,7 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
         expect(bar(nb).locator(".rw-play-words")).to_be_empty()
 
 
-def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel_is_told_of(
+def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel_is_reported(
     plain_page: Open, tmp_path: Path
 ) -> None:
     path = robot.write(tmp_path / "drive")
@@ -380,7 +378,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     expect(field).to_have_value("door")
 
 
-def test_what_is_of_another_moment_is_pale_until_its_data_come(
+def test_content_of_another_moment_is_pale_until_its_data_come(
     plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(_prefetcher, "KEPT_BYTES", 100_000)
@@ -580,9 +578,7 @@ def test_a_second_page_takes_no_step_back_and_after_a_lost_connection_all_shows_
     expect(laser).to_have_text(ray, use_inner_text=True)
 
 
-def test_one_that_follows_another_stays_where_it_was_moved_when_the_page_is_loaded_anew(
-    notebook: Open, tmp_path: Path
-) -> None:
+def test_a_follower_stays_where_it_was_moved_when_the_page_is_reloaded(notebook: Open, tmp_path: Path) -> None:
     one, other = (Path(copy(robowidgets.SAMPLE, tmp_path / name)) for name in ("one.mcap", "other.mcap"))
     follow = f"other = robowidgets.open({str(other)!r}).show('/scan', scanogram=False)\nother.follow(player)\nother"
     show = "(player := recording.show('/scan', scanogram=False))"

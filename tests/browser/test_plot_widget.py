@@ -56,7 +56,9 @@ def ink(card: Locator) -> int:
     return painted
 
 
-def test_least_mean_and_most_of_many_digits_stand_apart_beside_the_graphs(plain_page: Callable[..., PlainPage]) -> None:
+def test_least_mean_and_most_of_many_digits_stand_apart_next_to_the_graphs(
+    plain_page: Callable[..., PlainPage],
+) -> None:
     cell = """
         from robowidgets import PlotWidget
         plot = PlotWidget()
@@ -141,7 +143,7 @@ PAINTED = """() => {
 """Records the texts that are painted from now on, with their left end and their width."""
 
 
-def test_the_time_at_the_pointer_stands_beside_the_unit_and_a_place_off_the_lines_is_no_time(
+def test_the_time_at_the_pointer_stands_next_to_the_unit_and_only_on_the_lines(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([ARRAYS])
@@ -312,7 +314,7 @@ def test_a_png_has_the_lines(plain_page: Callable[..., PlainPage], tmp_path: Pat
     assert nb.page.evaluate(dark, url) > 200
 
 
-def test_what_two_lines_differ_by_and_what_holds_at_the_pointer_stand_beside_them(
+def test_what_two_lines_differ_by_and_what_holds_at_the_pointer_stand_next_to_them(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([FULL])

@@ -92,7 +92,7 @@ def red_at(saved: Pixels, card: Locator, place: Place, ray: tuple[float, float],
     return bool(np.abs(saved[round(2 * (top + y)), round(2 * (left + x))] - red).max() <= 12)
 
 
-def test_the_button_saves_what_a_person_sees(plain_page: Callable[..., PlainPage]) -> None:
+def test_the_button_saves_the_visible_card(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([WIDGETS, "laser", "speed", "touch", "scanogram"], scale=2)
     nb.page.mouse.move(0, 0)
     for cell, name in ((2, "odom"), (3, "bumper-&-_b_"), (4, "scan"), (1, "scan")):

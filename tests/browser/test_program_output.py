@@ -80,7 +80,7 @@ def test_of_a_version_that_goes_on_it_stands_below_the_run_that_failed(notebook:
     assert nb.text(2) == "last\n"
 
 
-def test_what_is_no_error_is_printed_as_plain_text(notebook: Callable[..., Notebook]) -> None:
+def test_output_without_an_error_is_printed_as_plain_text(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([OPEN, SECOND, REPLACES])
     assert "the program third replaces the program second\n" in printed(nb, 2, "stdout")
     nb.run(1)

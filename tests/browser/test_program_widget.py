@@ -139,7 +139,7 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
     nb.python("robot.close()")
 
 
-def test_beside_a_busy_cell_it_steps_and_stops(notebook: Callable[..., Notebook]) -> None:
+def test_during_a_busy_cell_it_steps_and_stops(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([OPEN, f"{LISTEN}{AVOID}"])
     widget = nb.widget(0)
     stopped = nb.lab.files / f"{nb.path}-stopped"

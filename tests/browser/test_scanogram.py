@@ -79,7 +79,7 @@ def says(card: Locator, *words: str) -> None:
 
 
 @pytest.mark.core
-def test_a_person_points_clicks_and_drags_and_python_knows(plain_page: Callable[..., PlainPage]) -> None:
+def test_pointing_clicks_and_drags_reach_python(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SETUP])
     nb.resize(900)
     card = card_of(nb)
@@ -212,7 +212,7 @@ def shows_the_state(page: Page, card: Locator) -> None:
     says(card, "ranges[90]", "0.50 m", "200.00 s")
 
 
-def test_a_link_in_the_page_a_reload_and_an_export_have_what_is_on_show(
+def test_a_link_in_the_page_a_reload_and_an_export_have_the_present_view(
     notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
 ) -> None:
     nb = notebook([SETUP, FOLLOWER])

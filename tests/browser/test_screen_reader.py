@@ -48,7 +48,7 @@ def test_keys_tell_the_ray_that_they_reach(plain_page: Callable[..., PlainPage])
     expect(nb.page.locator(".rw-live")).to_have_text("no reading")
 
 
-def test_a_speed_is_said_with_spaces(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_speed_is_read_aloud_with_spaces(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page(
         [
             "from robowidgets import SpeedWidget\nspeed = SpeedWidget(title='/odom')\n"

@@ -262,7 +262,7 @@ def test_typed_rays_are_a_new_selection_and_those_of_the_chip_redefine_its_secto
     eventually(lambda: nb.python("laser.sectors['ahead']"), "Sector('-20deg', '20deg')")
 
 
-def test_rays_are_typed_and_what_names_none_is_said(plain_page: Callable[..., PlainPage]) -> None:
+def test_rays_are_typed_and_an_invalid_entry_is_reported(plain_page: Callable[..., PlainPage]) -> None:
     nb, card, place = opened(plain_page)
     drag(nb, card, *arc(place, 3.0, 2, 38))
     field, error = chip(card).locator(".rw-chip-expression"), chip(card).locator(".rw-chip-error")
@@ -348,7 +348,7 @@ def test_an_empty_scan_leaves_the_scanner_in_the_middle(plain_page: Callable[...
     eventually(lambda: [abs(x - place.x) < 30 for word, x, _ in placed_words(card) if word == "ahead"], [True])
 
 
-def test_code_is_copied_by_hand_where_there_is_no_clipboard(plain_page: Callable[..., PlainPage]) -> None:
+def test_code_is_copied_by_hand_if_there_is_no_clipboard(plain_page: Callable[..., PlainPage]) -> None:
     nb, card, place = opened(plain_page, width=400)
     nb.page.evaluate(NO_CLIPBOARD)
     drag(nb, card, *arc(place, 3.0, 2, 38))

@@ -140,7 +140,7 @@ def test_a_sheet_draws_sorts_filters_walks_and_opens(plain_page: Open, folder: P
     shoot(sheet, "sheet_table")
 
 
-def test_of_thousands_only_what_is_seen_is_on_the_page_and_what_is_there_scrolls_while_a_cell_runs(
+def test_of_thousands_only_the_visible_rows_are_on_the_page_and_scroll_while_a_cell_runs(
     plain_page: Open, folder: Path
 ) -> None:
     nb = plain_page([FOUND.format(folder=str(folder)) + MANY + "sheet = many.show(sort='file')\nsheet"], width=1280)

@@ -96,7 +96,7 @@ def can_be_dragged(nb: Notebook) -> bool:
     return bool(nb.widget(0, 1).locator(".rw-picture").evaluate(GRABBED))
 
 
-def test_a_kernel_that_hangs_is_told_and_nothing_is_moved_until_it_goes_on(
+def test_a_kernel_that_hangs_is_reported_and_nothing_is_moved_until_it_goes_on(
     notebook: Callable[..., Notebook], stopped: list[int]
 ) -> None:
     nb = notebook([OPEN])
@@ -141,7 +141,7 @@ def test_a_kernel_that_hangs_is_told_and_nothing_is_moved_until_it_goes_on(
     assert can_be_dragged(nb)
 
 
-def test_a_kernel_that_was_restarted_is_told(notebook: Callable[..., Notebook]) -> None:
+def test_a_kernel_that_was_restarted_is_reported(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([OPEN])
     is_live(nb)
     nb.restart_kernel()

@@ -131,7 +131,7 @@ def test_one_silent_sensor_turns_pale_and_is_named_while_the_others_go_on(
     expect(widget.locator(".rw-silence")).to_have_text(re.compile(r"^no data for"))
 
 
-def test_what_cannot_be_shown_is_told_above_what_could_and_texts_stay_texts(
+def test_what_cannot_be_shown_is_reported_above_what_could_and_texts_stay_texts(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([STUDENT])
@@ -171,7 +171,7 @@ def test_the_view_zooms_by_wheel_keys_and_buttons_and_fits_readings(plain_page: 
     expect(card.locator(".rw-fit")).to_have_attribute("aria-pressed", "true")
 
 
-def test_a_png_is_saved_of_what_is_on_show(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_png_is_saved_of_the_present_view(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([PIONEER], scale=2)
     card = nb.widget(0).locator(".rw-card")
     name, saved = download(nb.page, card)

@@ -232,7 +232,7 @@ def test_a_bar_longer_than_the_scale_is_cut_and_its_number_exact(plain_page: Cal
     assert drawn(card, "linear.x", ".rw-bar") == pytest.approx(1.25, abs=0.02)
 
 
-def test_no_value_is_said_and_not_drawn_as_zero(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_missing_value_is_shown_as_such_and_not_drawn_as_zero(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(nan, 0, 0), angular=(0, 0, nan))")
@@ -385,7 +385,7 @@ def test_bars_move_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> No
             expect(value(card, "linear.x")).to_have_text(text)
 
 
-def test_an_error_is_said_and_the_last_good_speed_stays(plain_page: Callable[..., PlainPage]) -> None:
+def test_an_error_is_reported_and_the_last_good_speed_stays(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(0.5, 0, 0), angular=(0, 0, 0))")

@@ -86,7 +86,7 @@ def press(nb: Notebook | PlainPage, cell: int = 0) -> None:
     nb.page.mouse.down()
 
 
-def test_beside_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..., Notebook]) -> None:
+def test_during_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([FEED])
     nb.page.evaluate(NO_INTERRUPT, nb.path)  # a busy machine may answer late
     for loop in BUSY:
@@ -245,7 +245,7 @@ def test_a_kernel_that_does_not_answer_is_interrupted_and_a_cell_that_goes_on_is
     says(nb, "nobody may drive", "the kernel was interrupted")
 
 
-def test_where_there_is_no_way_to_a_busy_kernel_it_says_so_and_what_would_help(
+def test_without_a_way_to_a_busy_kernel_it_reports_that_and_the_remedy(
     driven_page: Callable[..., PlainPage],
 ) -> None:
     nb = driven_page([FEED])
@@ -281,7 +281,7 @@ def test_an_allow_that_waited_for_the_kernel_releases_nothing(driven_page: Calla
     says(nb, PROGRAM)
 
 
-def test_a_page_counts_as_there_with_slow_timers_and_beside_a_cell_until_it_is_left(
+def test_a_page_counts_as_present_with_slow_timers_and_during_a_cell_until_it_is_left(
     notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([f"{FEED.rstrip()[:-3]}feed.driving = feeds.Driving(needs_page=True)\nbar"])
@@ -300,7 +300,7 @@ def test_a_page_counts_as_there_with_slow_timers_and_beside_a_cell_until_it_is_l
     wait_for(lambda: log.exists() and "no page" in log.read_text(), "the robot stands")
 
 
-def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
+def test_a_program_of_a_dead_kernel_no_longer_counts_as_driving(
     notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([FEED])

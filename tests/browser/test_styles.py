@@ -61,7 +61,7 @@ DIFFERENCES = """(card) => {
 """The properties that change with the stylesheets of other widgets in the page, before or after a widget's own."""
 
 
-def test_a_widget_looks_the_same_whatever_stands_beside_it(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_widget_looks_the_same_with_any_other_widgets_on_the_page(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([WIDGETS])
     for nth, kind in enumerate(2 * KINDS):
         expect(nb.widget(0, nth).locator(f".rw-{kind}")).to_be_visible()

@@ -82,7 +82,7 @@ def offline(browser: Browser, complaints: list[str]) -> Iterator[Callable[..., P
 
 
 @pytest.mark.core
-def test_a_page_plays_and_its_numbers_are_those_of_the_recording(offline: Callable[..., Page], file: Path) -> None:
+def test_a_page_plays_and_its_numbers_match_the_recording(offline: Callable[..., Page], file: Path) -> None:
     page = offline(file, viewport={"width": 1280, "height": 800})
     laser, bar = page.locator(".rw-laser"), page.locator(".rw-player")
     expect(laser.locator(".rw-nearest")).to_contain_text("nearest")

@@ -138,7 +138,7 @@ def test_a_publisher_that_was_killed_and_comes_back_is_heard_again(feed, publish
     wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
 
 
-def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_told(feed, publish):
+def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_reported(feed, publish):
     laser = LaserWidget()
     feed.connect("/far/scan", laser)
     publish("/far/scan", "scan", ROS_HOSTNAME="robot.invalid")
@@ -216,7 +216,7 @@ def test_a_topic_that_changes_its_type_is_heard_as_what_it_is_now(feed, publish)
 
 
 @pytest.mark.parametrize("what", ["cut", "cut_sweep"])
-def test_messages_that_cannot_be_read_are_told_and_the_next_good_one_is_shown(feed, publish, what):
+def test_messages_that_cannot_be_read_are_reported_and_the_next_good_one_is_shown(feed, publish, what):
     laser, topic = LaserWidget(), f"/six/{what}"
     feed.connect(topic, laser)
     publisher = publish(topic, what)
@@ -251,7 +251,7 @@ def test_a_message_of_100_mb_is_refused_in_words_and_holds_up_no_other_topic(fee
     wait_for(lambda: memory() < before + 150e6, "the memory is given back")
 
 
-def test_two_publishers_with_different_geometry_are_told(feed, publish):
+def test_two_publishers_with_different_geometry_are_reported(feed, publish):
     laser = LaserWidget()
     feed.connect("/seven/scan", laser)
     publish("/seven/scan", "scan", 5)
@@ -306,7 +306,7 @@ def test_the_first_stop_is_heard(feed, robot):
     assert heard[0] == 0.0
 
 
-def test_a_robot_that_comes_later_hears_nothing_of_what_was_sent_before(middleware, robot):
+def test_a_robot_that_comes_later_does_not_receive_earlier_speeds(middleware, robot):
     wait_for(lambda: middleware.told.topics is not None, "the topics are known")
     with pytest.raises(FeedError, match="cannot publish geometry_msgs/TwistStamped on /late/cmd_vel: nobody listens"):
         middleware.publish("/late/cmd_vel", 0.25)
@@ -385,7 +385,7 @@ def test_a_topic_that_is_listed_has_its_type_though_it_appeared_a_moment_ago(fee
         call(uri, "unregisterSubscriber", "/now/cmd_vel", "http://127.0.0.1:1")
 
 
-def test_a_robot_that_was_refused_is_told_of_and_asked_again_until_it_connects(middleware, robot, monkeypatch):
+def test_a_refused_robot_is_reported_and_asked_again_until_it_connects(middleware, robot, monkeypatch):
     import rospy.impl.tcpros_base
 
     refused = []
@@ -481,7 +481,7 @@ def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middlew
         master.start()
 
 
-def test_a_guard_drives_on_without_a_master_and_is_no_other_publisher(monkeypatch, robot, master):
+def test_a_guard_drives_on_without_a_master_and_is_not_another_publisher(monkeypatch, robot, master):
     monkeypatch.setattr(_driver, "OFF", False)
     there = robot("/kept/cmd_vel")
     with feeds.ros1() as feed:
@@ -620,7 +620,7 @@ def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish
     widget.close()
 
 
-def test_an_error_of_any_kind_is_told_and_it_is_tried_again(feed, monkeypatch):
+def test_an_error_of_any_kind_is_reported_and_it_is_tried_again(feed, monkeypatch):
     wait_for(lambda: not feed.status, "it is connected")
     with monkeypatch.context() as patch:
         patch.setattr(feed.connection.middleware, "_adverts_of", lambda state: state["odd"])
@@ -694,7 +694,7 @@ def test_a_hundred_opens_and_closes_leave_nothing_behind(feed, publish):
     wait_for(lambda: all(now < then + 8 for now, then in zip(in_use(), before, strict=True)), "no more are in use")
 
 
-def test_a_plain_subscriber_feeds_a_widget_from_its_own_thread_beside_a_feed(feed, publish):
+def test_a_plain_subscriber_feeds_a_widget_from_its_own_thread_next_to_a_feed(feed, publish):
     import rospy
     from sensor_msgs.msg import LaserScan
 
@@ -707,7 +707,7 @@ def test_a_plain_subscriber_feeds_a_widget_from_its_own_thread_beside_a_feed(fee
     subscriber.unregister()
 
 
-def test_a_master_that_does_not_answer_is_told_of_and_holds_up_nobody(master, monkeypatch):
+def test_a_master_that_does_not_answer_is_reported_and_delays_nothing(master, monkeypatch):
     monkeypatch.setattr("robowidgets.feeds._ros1_master.TIMEOUT", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
@@ -736,7 +736,7 @@ def test_without_rospy_a_feed_says_how_to_get_it(monkeypatch):
         feeds.ros1()
 
 
-def test_a_process_whose_rospy_was_shut_down_is_told_to_restart(master):
+def test_a_process_whose_rospy_was_shut_down_has_to_restart(master):
     script = f"""
 import sys
 sys.path.append({PACKAGES!r})

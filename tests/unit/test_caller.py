@@ -86,7 +86,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
 
 
 @pytest.mark.parametrize("caller", CELLS)
-def test_an_error_is_raised_to_a_person_and_kept_from_a_callback(outputs: dict[str, list[Any]], caller: str) -> None:
+def test_an_error_is_raised_to_the_user_and_kept_from_a_callback(outputs: dict[str, list[Any]], caller: str) -> None:
     errors = [(output.ename, output.evalue) for output in outputs[caller] if output.output_type == "error"]
     assert errors == ([("ValueError", TEXT)] if caller in RAISES else [])
 

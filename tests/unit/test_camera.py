@@ -65,7 +65,7 @@ def test_a_camera_info_of_ros_1_and_ros_2_says_the_same() -> None:
         (message(width=-1), "width: expected pixels, 0 or more, got -1"),
     ],
 )
-def test_what_is_no_calibration_says_what_is_wrong(given: dict[str, object], error: str) -> None:
+def test_what_is_not_a_calibration_says_what_is_wrong(given: dict[str, object], error: str) -> None:
     with pytest.raises((TypeError, ValueError), match=error):
         to_camera_info(given)
 
@@ -81,7 +81,7 @@ def test_a_rectified_picture_goes_by_p_with_the_shift_of_the_second_camera() -> 
     assert model.points([[396.0, 190.0]], 2.0)[0] == pytest.approx([0.5, -0.25, 2.0])
 
 
-def test_what_is_behind_the_camera_or_beside_the_picture_has_no_pixel() -> None:
+def test_a_point_behind_the_camera_or_outside_the_picture_has_no_pixel() -> None:
     model = CameraModel(info())
     points = np.array([[0, 0, -1], [0, 0, 0], [1.3, 0, 2], [-1.3, 0, 2], [0, 0.95, 2], [nan, 0, 1]])
     assert np.isnan(model.project(points)).all()
@@ -137,7 +137,7 @@ def test_an_ideal_fisheye_bends_as_one_whose_numbers_are_nearly_0() -> None:
     assert not CameraModel(info(d=[0.0] * 4, distortion_model="equidistant"), rectified=True).bends
 
 
-def test_a_point_far_beside_the_picture_is_not_bent_back_into_it() -> None:
+def test_a_point_far_outside_the_picture_is_not_bent_back_into_it() -> None:
     # With k1 alone, x (1 + k1 x x) comes back to the middle at x = 1 / sqrt(-k1) = 1.83.
     model = CameraModel(info(d=[-0.3, 0, 0, 0, 0], distortion_model="plumb_bob"))
     points = [[x, 0.0, 1.0] for x in np.linspace(0.75, 3.0, 50)]
@@ -258,7 +258,7 @@ def test_a_message_with_a_depth_image_is_a_scan_of_its_time() -> None:
         (np.zeros((100, 640)), 1, "of another picture"),
     ],
 )
-def test_what_is_no_depth_image_says_what_is_wrong(depth: np.ndarray, rows: object, error: str) -> None:
+def test_what_is_not_a_depth_image_says_what_is_wrong(depth: np.ndarray, rows: object, error: str) -> None:
     with pytest.raises((TypeError, ValueError), match=error):
         depth_scan(depth, info(), rows)  # type: ignore[arg-type]
 
@@ -282,7 +282,7 @@ def frames(*more: Transform) -> LiveFrames:
     return found
 
 
-def test_the_scanner_is_where_tf_has_it_or_where_a_person_says() -> None:
+def test_the_scanner_is_placed_by_tf_or_by_the_user() -> None:
     by_tf = place_in_camera(frames(), "laser", "camera_optical_frame", when=(0, 0), then=(0, 0))
     # 1 m ahead of the scanner, 0.5 m to its left: to the left of the camera, and below it.
     assert by_tf.moved(np.array([[1.0, 0.5, 0.0]]))[0] == pytest.approx([-0.5, 0.3, 0.9])
@@ -368,7 +368,7 @@ def test_the_area_lies_on_the_ground_and_ends_at_the_readings(lens: dict[str, ob
             assert inside(area, u, v) == (ahead < 1.9 and angle < radians(60) and distance > 0.1), (u, v)
 
 
-def test_rays_that_see_nothing_reach_as_far_as_the_scanner_and_unknown_ones_nowhere() -> None:
+def test_rays_that_see_nothing_reach_the_scanners_range_and_unknown_ones_nowhere() -> None:
     scan = room_scan()
     ranges = scan.ranges.copy()
     ranges[:90], ranges[90:] = nan, inf
@@ -427,7 +427,7 @@ def test_cones_end_where_something_is_or_say_that_there_is_nothing() -> None:
     assert np.ptp(arc[:, 0]) == pytest.approx(2 * half, rel=1e-3)
 
 
-def test_the_opening_of_a_camera_is_told_in_radians() -> None:
+def test_the_opening_of_a_camera_is_given_in_radians() -> None:
     across, down = CameraModel(info()).view
     assert degrees(across) == pytest.approx(2 * degrees(atan2(320, 525)))
     assert tan(down / 2) == pytest.approx(240 / 520)

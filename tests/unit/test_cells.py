@@ -66,7 +66,7 @@ def test_what_other_cells_made_stays(run: Run) -> None:
     assert (first.closed, second.closed) == (False, True)
 
 
-def test_where_nobody_tells_which_cell_runs_nothing_is_closed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_if_the_running_cell_is_unknown_nothing_is_closed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     first = run("", "1")
     run("", "2")
     monkeypatch.setattr("IPython.get_ipython", lambda: None)
@@ -75,7 +75,7 @@ def test_where_nobody_tells_which_cell_runs_nothing_is_closed(run: Run, monkeypa
     assert not _cells._made
 
 
-def test_what_nobody_holds_is_not_held_for_the_next_run(run: Run) -> None:
+def test_an_unreferenced_object_is_not_kept_for_the_next_run(run: Run) -> None:
     run("a", "1")
     assert not _cells._made["a"][1]
 

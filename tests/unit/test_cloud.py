@@ -165,7 +165,7 @@ def field(name: str, offset: int, datatype: int = 7, count: int = 1) -> dict:
 XYZ = [field("x", 0), field("y", 4), field("z", 8)]
 
 
-def test_a_row_step_of_all_rows_is_that_of_one() -> None:
+def test_a_row_step_of_all_rows_counts_as_the_step_of_one() -> None:
     message = cloud_message(points_of(6, OVER))
     of_rows = to_cloud({**message, "height": 2, "width": 3, "row_step": 3 * message["point_step"]})
     of_all = to_cloud({**message, "height": 2, "width": 3, "row_step": 6 * message["point_step"]})
@@ -183,7 +183,7 @@ def test_a_row_step_of_all_rows_is_that_of_one() -> None:
         ({"width": 3}, "16 bytes after the last point: not used"),
     ],
 )
-def test_what_is_odd_is_told_and_the_points_are_read(changed: dict, what: str) -> None:
+def test_what_is_odd_is_reported_and_the_points_are_read(changed: dict, what: str) -> None:
     cloud = to_cloud({**cloud_message(points_of(4, OVER)), "row_step": 48, **changed})
     assert [problem.what for problem in cloud.problems] == [what]
     assert cloud.z.tolist()[:3] == [2.0, 3.0, 4.0]
@@ -205,7 +205,7 @@ def test_what_is_odd_is_told_and_the_points_are_read(changed: dict, what: str) -
         ({"width": 10_000_000}, "expected at most 5,000,000 points, got 10,000,000; take every n-th, or a filter"),
     ],
 )
-def test_what_are_no_points_is_refused_with_one_line(changed: dict, text: str) -> None:
+def test_what_are_not_points_is_refused_with_one_line(changed: dict, text: str) -> None:
     with pytest.raises((TypeError, ValueError), match=text):
         to_cloud({**cloud_message(points_of(4, OVER)), **changed})
 
@@ -225,7 +225,7 @@ def test_what_are_no_points_is_refused_with_one_line(changed: dict, text: str) -
         ({"fields": [], "point_step": 1, "data": b""}, r"\(missing: height, width, is_bigendian, row_step\)"),
     ],
 )
-def test_what_is_no_cloud_is_refused_with_what_came(given: Any, text: str) -> None:
+def test_what_is_not_a_cloud_is_refused_with_what_came(given: Any, text: str) -> None:
     with pytest.raises((TypeError, ValueError), match=text):
         to_cloud(given)
 

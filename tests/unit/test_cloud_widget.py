@@ -97,7 +97,7 @@ def test_code_gives_the_points_that_are_counted_whatever_was_not_measured(clouds
         ("most_points", 0, "should not be less than 1"),
     ],
 )
-def test_settings_that_are_none_are_refused(clouds: CloudWidget, name: str, value: object, text: str) -> None:
+def test_invalid_settings_are_refused(clouds: CloudWidget, name: str, value: object, text: str) -> None:
     with pytest.raises(TraitError, match=text):
         setattr(clouds, name, value)
 

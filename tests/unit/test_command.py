@@ -68,7 +68,7 @@ def test_info_prints_the_table_of_a_recording(capsys):
 
 @pytest.mark.parametrize("command", ["info", "open"])
 @pytest.mark.parametrize("what", ["missing", "empty", "foreign", "folder", "loop"])
-def test_what_is_no_recording_is_one_line_and_1(command, what, tmp_path, capsys, lab):
+def test_what_is_not_a_recording_is_one_line_and_1(command, what, tmp_path, capsys, lab):
     path = tmp_path / f"{what}.bag"
     if what == "folder":
         path.mkdir()
@@ -156,7 +156,7 @@ def test_a_folder_that_cannot_be_written_to_is_one_line(tmp_path, capsys, lab):
     assert lab == []
 
 
-def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, tmp_path, here):
+def test_the_demo_is_a_copy_of_the_tour_next_to_the_other_notebooks(lab, tmp_path, here):
     assert main(["demo", "--port", "0", "--no-browser"]) == 0
     ((tour, port, browser),) = lab
     assert (port, browser) == (0, False)
@@ -166,7 +166,7 @@ def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, 
     assert {file.name for file in tour.parent.iterdir()} == {file.name for file in (ROOT / "notebooks").glob("*.ipynb")}
 
 
-def test_a_notebook_that_a_person_changed_stays_where_it_was_and_as_it_was(lab, tmp_path, capsys, here):
+def test_a_notebook_that_the_user_changed_stays_where_it_was_and_as_it_was(lab, tmp_path, capsys, here):
     main(["demo"])
     tour = lab[0][0]
     assert tour.parent == tmp_path / "robowidgets-notebooks"
@@ -251,7 +251,7 @@ def test_notebooks_are_found_in_a_checkout_and_in_an_installed_package(monkeypat
 
 
 @pytest.mark.slow
-def test_jupyterlab_serves_the_notebook_already_run_on_this_machine_to_who_has_the_token(tmp_path):
+def test_jupyterlab_serves_the_notebook_already_run_on_this_machine_with_the_token(tmp_path):
     own = {name: str(tmp_path / name) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR")}
     environment = os.environ | own | {"JUPYTER_TOKEN": "guessed"}
     log = tmp_path / "log"

@@ -135,7 +135,7 @@ def test_lists_hold_the_same_type_on_both_sides(name: str) -> None:
             assert kinds(front[key].removesuffix("[]")) == expected(element), f"{name}: {key} is {front[key]!r}"
 
 
-def test_who_drives_is_told_in_fields_that_the_front_end_knows() -> None:
+def test_the_driver_is_sent_in_fields_that_the_front_end_knows() -> None:
     pad = DriveWidget()
     assert pad.get_state()["_state"].keys() == fields("Told").keys() | fields("DriveTold").keys()
     pad.close()

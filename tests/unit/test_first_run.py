@@ -144,7 +144,7 @@ def test_a_notebook_holds_what_its_cells_show_and_the_state_of_its_widgets(run):
 
 
 @pytest.mark.versions
-def test_a_cell_that_is_worth_nothing_when_nobody_looks_is_left_alone(run):
+def test_a_cell_without_value_in_an_unattended_run_is_left_alone(run):
     cell = run["whole"][0].cells[1]
     assert (cell.execution_count, cell.outputs) == (None, [])
 
@@ -158,7 +158,7 @@ def test_a_cell_that_is_worth_nothing_when_nobody_looks_is_left_alone(run):
         ("dying", "The kernel failed: Kernel died."),
     ],
 )
-def test_what_goes_wrong_is_said_and_what_was_shown_before_is_kept(run, name, reason):
+def test_what_goes_wrong_is_reported_and_what_was_shown_before_is_kept(run, name, reason):
     notebook, (said,), trusted, answers = run[name]
     assert said.startswith(reason)
     assert said.endswith(". The rest is left for you to run.")
@@ -168,7 +168,7 @@ def test_what_goes_wrong_is_said_and_what_was_shown_before_is_kept(run, name, re
 
 
 @pytest.mark.versions
-def test_a_kernel_that_is_not_there_is_said(run):
+def test_a_missing_kernel_is_reported(run):
     notebook, said, _, answers = run["foreign"]
     assert said == ["The kernel failed: No such kernel named cobol. The rest is left for you to run."]
     assert texts(notebook) == [[]]

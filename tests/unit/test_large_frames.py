@@ -147,7 +147,7 @@ class TestCredit:
         assert not credit.may_send()
         assert not credit.says_paced
 
-    def test_a_cell_changes_nothing_where_answers_are_heard_beside_it(
+    def test_a_running_cell_changes_nothing_if_answers_arrive_meanwhile(
         self, credit: Credit, clock: ManualClock, cell: Cell
     ) -> None:
         in_a_thread(credit.on_drawn, "page", 0)
@@ -188,7 +188,7 @@ class TestWidget:
         assert [number_in(frame) for frame in page.sent("_frame")] == [0, 9]
         assert [about["value"] for about in page.sent("_about")] == [0, 9]
 
-    def test_others_wait_for_it_only_where_nobody_says_that_it_is_drawn(
+    def test_others_wait_for_it_only_if_the_page_does_not_report_that_it_is_drawn(
         self, widget: LargeNumber, page: Page, cell: Cell, clock: ManualClock
     ) -> None:
         with widget._send_lock:  # so that the pacer does not send it
@@ -231,7 +231,7 @@ class TestWidget:
         pacer.flush()
         assert number_in(page.state["_frame"]) == 2
 
-    def test_the_page_is_told_that_it_gets_fewer_while_a_cell_runs(
+    def test_the_page_knows_that_it_gets_fewer_while_a_cell_runs(
         self, widget: LargeNumber, page: Page, cell: Cell, clock: ManualClock
     ) -> None:
         cell.runs = True
@@ -257,7 +257,9 @@ class TestWidget:
             {"drawn": 1, "page": "one", "lacks": []},
         ],
     )
-    def test_what_no_page_sends_is_no_answer(self, widget: LargeNumber, page: Page, content: object) -> None:
+    def test_a_message_that_no_page_sends_is_not_an_answer(
+        self, widget: LargeNumber, page: Page, content: object
+    ) -> None:
         widget.update(1)
         wait_for(lambda: page.messages, "the first was sent")
         widget._handle_custom_msg(content, [])

@@ -133,7 +133,7 @@ def test_it_tells_states_events_times_and_what_fired(script: Scripted, robot: Fe
     wait_for(lambda: page.state["_about"]["mode"] == "paused", "the pause is told")
 
 
-def test_a_new_version_is_told_once_and_a_function_in_its_place_is_named(robot: Feed, page: Page) -> None:
+def test_a_new_version_is_reported_once_and_a_function_in_its_place_is_named(robot: Feed, page: Page) -> None:
     class Blink:
         on = off = None
         moves = "on -> off after 0.01", "off -> on after 0.01"
@@ -154,7 +154,7 @@ def test_a_new_version_is_told_once_and_a_function_in_its_place_is_named(robot: 
     wait_for(lambda: page.state["_about"]["mode"] == "ended", "the machine is over")
 
 
-def test_an_error_is_told_and_the_last_good_step_stays(robot: Feed, page: Page) -> None:
+def test_an_error_is_reported_and_the_last_good_step_stays(robot: Feed, page: Page) -> None:
     class Fails:
         def first(variables):
             return Drive(0.1 / variables.x)
@@ -171,7 +171,7 @@ def test_an_error_is_told_and_the_last_good_step_stays(robot: Feed, page: Page) 
     assert page.state["_about"]["mode"] == "failed"
 
 
-def test_steps_are_told_twenty_times_a_second_and_the_newest_wins(robot: Feed, page: Page) -> None:
+def test_steps_are_reported_twenty_times_a_second_and_the_newest_wins(robot: Feed, page: Page) -> None:
     class Count:
         def one(state):
             state.n = state.get("n", 0) + 1
@@ -250,7 +250,7 @@ def test_it_takes_a_feed_alone() -> None:
         MachineWidget(3)
 
 
-def test_the_state_in_which_a_step_failed_is_told_until_it_goes_on(robot: Feed, page: Page) -> None:
+def test_the_state_in_which_a_step_failed_is_reported_until_it_goes_on(robot: Feed, page: Page) -> None:
     robot.variables.bad = False
 
     class Failing:

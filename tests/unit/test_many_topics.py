@@ -51,7 +51,7 @@ def recording(path: Path) -> Iterator[Recording]:
         yield opened
 
 
-def test_its_row_says_no_more_than_that_of_a_single_topic_but_for_the_roles() -> None:
+def test_its_row_only_adds_roles_to_the_row_of_a_single_topic() -> None:
     named = {"name", "sample_name", "noun", "types", "undecided", "widget", "to_message", "simulated"}
     other = {one.name for one in fields(Kind) if getattr(GAUGE, one.name) != getattr(NUMBER, one.name)}
     assert other - named == {"roles"}
@@ -122,7 +122,7 @@ def test_a_view_of_a_robot_gives_later_topics_of_the_namespace_to_the_same_widge
         assert {topic for what, topic in script.asked if what == "unsubscribe"} == {t for _, t in script.asked}
 
 
-def test_a_person_connects_its_topics_as_those_of_any_widget() -> None:
+def test_the_user_connects_its_topics_as_for_any_widget() -> None:
     script = Scripted(LEFT, RIGHT)
     with Feed(script) as feed:
         widget = GaugesWidget()

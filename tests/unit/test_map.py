@@ -92,7 +92,7 @@ class TestItems:
         placed = to_map_item({"header": header, "child_frame_id": "marker", "transform": transform})
         assert (placed.frame_id, placed.pose) == ("map", pytest.approx((1.0, 2.0, 0.5)))
 
-    def test_a_sonar_is_a_cone_up_to_what_it_met_or_as_far_as_it_sees(self) -> None:
+    def test_a_sonar_is_a_cone_up_to_its_reading_or_its_range(self) -> None:
         met = to_map_item(Range(2.0, 0.1, 4.0, field_of_view=0.5, frame_id="/sonar"))
         assert (met.kind, met.frame_id, met.pose) == ("cone", "sonar", (0.0, 0.0, 0.0))
         assert np.hypot(*met.points.T) == pytest.approx([0.0, *[2.0] * (len(met.points) - 1)])
@@ -123,7 +123,7 @@ class TestItems:
 
 class TestFixes:
     @pytest.mark.parametrize("latitude", [0.0, 52.1, -33.9, 89.0])
-    def test_metres_east_and_north_are_those_of_the_radii_of_the_ellipsoid(self, latitude: float) -> None:
+    def test_metres_east_and_north_follow_the_radii_of_the_ellipsoid(self, latitude: float) -> None:
         a, e2 = 6_378_137.0, 0.00669437999014
         squared = 1 - e2 * sin(radians(latitude)) ** 2
         across, along = a / sqrt(squared), a * (1 - e2) / squared**1.5
@@ -157,7 +157,7 @@ class TestFixes:
         assert shown(path)["/fix"].pose.y == pytest.approx(111.26, abs=0.01)
         assert (path.get_state()["_about"]["frame_id"], missing(path)) == (EAST_NORTH, {})
 
-    def test_a_receiver_without_a_fix_is_no_frame_of_the_map(self) -> None:
+    def test_a_receiver_without_a_fix_is_not_a_frame_of_the_map(self) -> None:
         path = PathWidget()
         path.put("/fix", fix(0.0, 0.0))
         path.put("/pose", stamped("odom", 1.0, 2.0, 0.0))
@@ -322,7 +322,7 @@ class TestMapFiles:
         with pytest.raises(ValueError, match=why):
             load_map(self.write(tmp_path, [[0, 255]], **about))
 
-    def test_files_that_are_no_map_are_named(self, tmp_path: Path) -> None:
+    def test_files_that_are_not_a_map_are_named(self, tmp_path: Path) -> None:
         (tmp_path / "other.yaml").write_text("a: 1")
         with pytest.raises(ValueError, match=r"other.yaml: expected the YAML file of a map"):
             load_map(tmp_path / "other.yaml")
@@ -377,7 +377,7 @@ class TestFrames:
         layers.put("/scan", MapItem("scan", "base_link", points=np.ones((3, 2))), 46.0, 46 * second)
         assert layers.notes() == []
 
-    def test_the_page_is_told_of_an_old_transform(self) -> None:
+    def test_the_page_shows_that_a_transform_is_old(self) -> None:
         path = PathWidget()
         path.put("/tf", scene.tf("map", "odom", (0.0, 0.0, 0.0), 1.0))
         path._layers.add_frames(
@@ -418,7 +418,7 @@ class TestFrames:
             path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 2.0), time=seconds)
         assert path.distance("/odom", "/other")[1][-1] == hypot(4.0, 8.0)
 
-    def test_two_receivers_have_one_origin_and_the_page_is_told_once(self) -> None:
+    def test_two_receivers_have_one_origin_and_the_page_gets_it_once(self) -> None:
         path, listings = PathWidget(), set()
         for i in range(3):
             path.put("/front", fix(48.0, 9.0 + 1e-6 * i))
@@ -465,7 +465,7 @@ class TestFrames:
         (shape,) = path.get_state()["_about"]["shapes"]
         assert (shape["name"], shape["from"]) == ("door", pytest.approx([2.0, 3.0, 0.5]))
 
-    def test_a_transform_with_null_is_told_too_and_a_frame_on_show_moves_with_those_beside_it(self) -> None:
+    def test_a_transform_with_null_is_reported_too_and_a_frame_on_show_moves_with_its_neighbours(self) -> None:
         path = PathWidget(frame="map")
         path.put("map->odom")
         message = scene.tf_of_rosbridge(("map", "camera", None), ("map", "odom", 1.0), ("map", "lens", None))
@@ -473,7 +473,7 @@ class TestFrames:
             path.put("/tf", message)
         assert shown(path)["map->odom"].pose == (1.0, 0.0, 0.0)
 
-    def test_a_transform_without_a_pose_is_told_and_the_others_of_its_message_join(self) -> None:
+    def test_a_transform_without_a_pose_is_reported_and_the_others_of_its_message_join(self) -> None:
         path = PathWidget(frame="map")
         wrong, right = scene.tf("map", "camera", (nan, 0.0, 0.0), 1.0), scene.tf("map", "odom", (1.0, 0.0, 0.0), 1.0)
         with pytest.raises(ValueError, match=r"/tf: 'camera' in 'map' is at no pose: nan"):
@@ -582,7 +582,7 @@ class TestRecordings:
         ],
     )
     @pytest.mark.slow
-    def test_places_are_those_of_rosbags_to_the_last_bit(
+    def test_places_match_rosbags_to_the_last_bit(
         self, data: Path, name: str, topic: str, place: Callable[[Any], Any]
     ) -> None:
         with AnyReader([data / name]) as reader:
@@ -654,7 +654,7 @@ def way_of(player: Any) -> Any:
     return whole.frame, dict(whole.tracks())
 
 
-class TestWhatIsReadOfARecording:
+class TestReadingOnlyPartsOfARecording:
     def test_a_receiver_that_has_no_fix_at_first_has_its_way_from_the_first_fix_on(self, tmp_path: Path) -> None:
         fixes = [fix(nan, nan, status=-1), *(fix(52.0 + i * 1e-5, 4.0) for i in range(10))]
         messages = [(float(i), "/fix", one) for i, one in enumerate(fixes)]

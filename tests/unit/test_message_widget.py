@@ -60,7 +60,7 @@ def battery(**changed: Any) -> Any:
     return made("sensor_msgs/msg/BatteryState", **fields | changed)
 
 
-class TestWhatIsPacked:
+class TestPackedContent:
     def test_is_each_field_with_its_type_its_unit_and_the_names_of_its_numbers(self) -> None:
         got = sent(battery())
         assert got.about["type"] == "sensor_msgs/BatteryState"
@@ -227,7 +227,7 @@ class TestAMessage:
         assert sent(scan).values["ranges"][0] == 4
         assert sent(SimpleNamespace(x=1, inner=SimpleNamespace(y="two"))).values["inner.y"] == "two"
 
-    def test_of_a_recording_is_that_of_its_moment(self) -> None:
+    def test_of_a_recording_belongs_to_its_moment(self) -> None:
         with robowidgets.open(robowidgets.SAMPLE) as recording:
             moment = recording.message_at("/odom", 5.0)
             assert moment is not None
@@ -236,7 +236,7 @@ class TestAMessage:
             assert got.nodes["twist.twist.linear.x"]["unit"] == "m/s"
 
     @pytest.mark.parametrize("wrong", [3, "text", None, [1, 2], b"raw", {}])
-    def test_that_is_none_is_refused(self, widget: MessageWidget, wrong: Any) -> None:
+    def test_that_is_invalid_is_refused(self, widget: MessageWidget, wrong: Any) -> None:
         with pytest.raises(TypeError, match=r"expected a message with fields, such as \{'speed': 0.3\}, got"):
             widget.update(wrong)
 
@@ -296,7 +296,7 @@ class TestPython:
         assert widget.message is second
         assert widget.frozen is None
 
-    def test_hears_the_message_to_which_a_person_stepped_back(self, widget: MessageWidget) -> None:
+    def test_hears_the_message_to_which_the_user_stepped_back(self, widget: MessageWidget) -> None:
         messages = [battery(voltage=float(i)) for i in range(3)]
         frames = []
         for message in messages:

@@ -103,7 +103,7 @@ class TestScan:
             assert other.mount == LEFT
             assert other.distance("front") == 0.75
 
-    def test_a_tilted_scanner_is_told_and_one_that_stands_on_edge_keeps_its_angles(self) -> None:
+    def test_a_tilted_scanner_is_reported_and_one_that_stands_on_edge_keeps_its_angles(self) -> None:
         tilted = own_scan(Mount()).mounted(mount_of(*turn_of(pi / 2, pitch=radians(20))))
         assert [str(problem) for problem in tilted.problems()] == [
             "the scanner is tilted by 20° by tf: distances are along its rays, not on the floor; a map or a cloud "
@@ -219,7 +219,7 @@ class TestWidget:
         assert laser.own_angles is False
         laser.close()
 
-    def test_without_a_turn_nothing_is_said(self) -> None:
+    def test_without_a_turn_there_is_no_note(self) -> None:
         laser = LaserWidget()
         laser.take_mounts(lambda scan: scan.mounted(Mount()))
         laser.update(message(own_scan(Mount())))

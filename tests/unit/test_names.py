@@ -30,12 +30,12 @@ def test_a_star_import_leaves_the_names_of_python_alone() -> None:
     ("word", "meant"),
     [("Laser", "LaserWidget"), ("Touc", "Touch"), ("simulater", "simulator"), ("laserwidget", "LaserWidget")],
 )
-def test_a_name_that_is_not_there_leads_to_one_that_is(word: str, meant: str) -> None:
+def test_a_missing_name_suggests_an_existing_one(word: str, meant: str) -> None:
     with pytest.raises(AttributeError, match=rf"has no attribute '{word}'; did you mean '{meant}'\?$"):
         getattr(robowidgets, word)
 
 
-def test_a_private_name_that_is_not_there_is_said_plainly() -> None:
+def test_a_private_name_that_is_not_there_is_reported_plainly() -> None:
     with pytest.raises(AttributeError, match=r"has no attribute '__path_hooks__'$"):
         robowidgets.__path_hooks__  # noqa: B018
 
@@ -72,9 +72,7 @@ def test_a_name_stands_for_one_type() -> None:
     ],
 )
 class TestTheOldNameOfAClass:
-    def test_still_gives_it_and_the_place_where_it_is_used_is_told_the_new_one(
-        self, module: str, old: str, new: type
-    ) -> None:
+    def test_still_works_and_names_the_new_one_at_the_place_of_use(self, module: str, old: str, new: type) -> None:
         with pytest.warns(DeprecationWarning, match=rf"{module}\.{old} is called {module}\.{new.__name__} now") as told:
             assert getattr(import_module(module), old) is new
         assert [warning.filename for warning in told] == [__file__]
@@ -85,7 +83,7 @@ class TestTheOldNameOfAClass:
             exec(f"from {module} import {old}", names)
         assert names[old] is new
 
-    def test_is_not_among_those_of_a_star_import(self, module: str, old: str, new: type) -> None:
+    def test_is_not_among_the_names_of_a_star_import(self, module: str, old: str, new: type) -> None:
         names: dict[str, Any] = {}
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -94,7 +92,7 @@ class TestTheOldNameOfAClass:
         assert names[new.__name__] is new
 
 
-def test_a_name_that_a_module_never_had_is_said_plainly() -> None:
+def test_a_name_that_a_module_never_had_is_reported_plainly() -> None:
     with pytest.raises(AttributeError, match=r"module 'robowidgets.shapes' has no attribute 'Circle'$"):
         import_module("robowidgets.shapes").Circle  # noqa: B018
 

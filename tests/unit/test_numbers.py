@@ -106,7 +106,7 @@ def test_a_condition_does_not_take_the_name_of_a_number_and_there_are_at_most_ei
         laser.watch("one more", 1.0)
 
 
-def test_a_widget_of_a_player_has_none() -> None:
+def test_a_widget_of_a_player_has_no_warning() -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         player = recording.show("/scan", scanogram=False)
     with pytest.raises(ValueError, match="a player moves this widget"):

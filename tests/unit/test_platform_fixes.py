@@ -53,7 +53,7 @@ def needs() -> Iterator[tuple[str, str, str]]:
             yield name, project, versions
 
 
-def test_each_fix_says_who_needs_it_and_each_need_is_shown() -> None:
+def test_each_fix_names_the_projects_that_need_it_and_each_need_is_shown() -> None:
     undo = {"release_prints"}
     assert {fix for fix, _, _ in needs()} == FIXES.keys() - undo
     assert sorted((fix, project) for fix, project, _ in needs()) == sorted([*GOES_WRONG, *GOES_WRONG_SLOWLY])

@@ -111,7 +111,7 @@ class TestTheFile:
         page.answer(page.asked[0])
         assert sorted(os.listdir(tmp_path)) == ["a.png", "b.PNG"]
 
-    def test_the_page_shows_what_is_newest_before_it_is_asked(self, tmp_path: Path) -> None:
+    def test_the_page_shows_the_newest_before_it_is_asked(self, tmp_path: Path) -> None:
         laser = LaserWidget()
         page = Page(laser)
         laser.update(ranges=[1, 2], angle_min=0, angle_increment=0.1, range_min=0.1, range_max=9)
@@ -162,7 +162,9 @@ class TestAwaiting:
         page.answer()
         assert (tmp_path / "a.png").read_bytes() == PICTURE
 
-    def test_who_gives_up_waiting_still_gets_the_file(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
+    def test_a_caller_that_gives_up_waiting_still_gets_the_file(
+        self, widget: Drawn, page: Page, tmp_path: Path
+    ) -> None:
         async def save() -> None:
             with pytest.raises(asyncio.TimeoutError):
                 await asyncio.wait_for(widget.save_png(tmp_path / "a.png"), 0.01)
@@ -173,7 +175,7 @@ class TestAwaiting:
 
 
 class TestWhatGoesWrongLater:
-    def test_a_folder_that_has_gone_is_said_until_it_works(
+    def test_a_folder_that_has_gone_is_reported_until_it_works(
         self, widget: Drawn, page: Page, tmp_path: Path, caplog: pytest.LogCaptureFixture
     ) -> None:
         folder = tmp_path / "gone"
@@ -189,7 +191,7 @@ class TestWhatGoesWrongLater:
         assert not notes(widget)
         page.answer()  # an unanswered question is logged ten seconds later, in another test
 
-    def test_silence_is_said_and_a_late_answer_taken(
+    def test_silence_is_reported_and_a_late_answer_taken(
         self, widget: Drawn, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(_png, "PATIENCE", 0.01)

@@ -71,13 +71,13 @@ def user(request: pytest.FixtureRequest) -> Iterator[User]:
     user.laser.close()
 
 
-def test_what_is_late_has_not_returned_and_is_told_with_its_line(user: User) -> None:
+def test_what_is_late_has_not_returned_and_is_reported_with_its_line(user: User) -> None:
     user.define(user.hang)
     wait_for(lambda: "has not returned for" in user.words, "it is late")
     assert re.search(r"line \d+", user.words)
 
 
-def test_what_raises_is_told_with_its_line_and_its_error(user: User) -> None:
+def test_what_raises_is_reported_with_its_line_and_its_error(user: User) -> None:
     def fail(_sample: Any) -> None:
         raise SystemExit("out")
 

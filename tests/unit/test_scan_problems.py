@@ -110,7 +110,7 @@ def test_a_problem_is_a_line_of_words_and_remedy_which_is_cut_in_the_words() -> 
 
 
 class TestOutside:
-    def test_a_third_of_the_rays_beyond_the_limits_is_a_problem_and_less_is_none(self) -> None:
+    def test_a_third_of_the_rays_beyond_the_limits_is_a_problem_and_fewer_are_not(self) -> None:
         def whats(outside: float, count: int) -> list[str]:
             return [problem.what for problem in scan([outside] * count + [2.0] * (30 - count)).problems()]
 

@@ -121,7 +121,7 @@ def test_a_view_of_a_robot_whose_messages_tell_what_they_are() -> None:
         assert list(ring.ranges) == [name.rpartition("/")[2] for name in RING]
 
 
-def test_a_program_asks_for_sonars_of_which_no_view_has_told() -> None:
+def test_a_program_asks_for_sonars_without_a_view() -> None:
     script = Scripted(SONARS[0], SONARS[1], CLIFF)
     with Feed(script) as feed:
         got: list[Ranges] = []

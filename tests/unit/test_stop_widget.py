@@ -40,7 +40,7 @@ def hear(bar: StopWidget, act: str, **more: Any) -> None:
     bar._handle_custom_msg({"act": act, "press": "view", **more}, [])
 
 
-def test_it_tells_who_drives_and_what_is_said_against_it(feed: Feed, bar: StopWidget) -> None:
+def test_it_shows_the_driver_and_the_warnings_about_it(feed: Feed, bar: StopWidget) -> None:
     page = Page(bar)
     feed.driving = Driving(topic="/base/cmd_vel")
     feed.drive(0.2, 0.5)
@@ -97,7 +97,7 @@ def test_each_message_tells_the_feed_that_a_page_is_there(feed: Feed, bar: StopW
     feed.drive(0.1)
 
 
-def test_a_zero_that_fails_is_told_until_it_was_sent(feed: Feed, script: Scripted, bar: StopWidget) -> None:
+def test_a_zero_that_fails_is_reported_until_it_was_sent(feed: Feed, script: Scripted, bar: StopWidget) -> None:
     page = Page(bar)
     feed.drive(0.2, 0.5)
     script.broken = "no room"

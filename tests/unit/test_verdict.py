@@ -65,7 +65,7 @@ class TestFunction:
             ),
         ],
     )
-    def test_by_what_a_distance_is_chosen_that_is_compared_to_a_limit_is_no_condition(
+    def test_the_comparison_that_chooses_a_distance_is_not_a_condition(
         self, function: Any, rays: list[int], text: str
     ) -> None:
         verdict = judged(function, SEEN)
@@ -165,7 +165,7 @@ class TestFunction:
         assert judged(lambda s: s.ranges[0:1].min() > 1, scan(INF, NAN)).rays.tolist() == []
         assert judged(lambda s: not s.ranges[:0].size, scan(INF)).rays.tolist() == []
 
-    def test_is_unknown_where_it_compares_no_known_distance_or_returns_none(self) -> None:
+    def test_is_unknown_if_it_compares_no_known_distance_or_returns_none(self) -> None:
         dark = scan(NAN, NAN, NAN)
         assert judged(lambda s: s.distance() < 0.5, dark).value is None
         assert judged(lambda s: not s.distance() > 0.5, dark).value is None

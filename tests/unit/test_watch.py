@@ -358,7 +358,7 @@ class TestArguments:
             player.views[0].widget.watch(conditions.speed_above(0.5))
         player.close()
 
-    def test_in_a_player_each_scan_has_its_verdict_which_is_that_of_find(self) -> None:
+    def test_in_a_player_each_scan_has_its_verdict_which_matches_find(self) -> None:
         near = conditions.nearest_below(0.3)
         with robowidgets.open(robowidgets.SAMPLE) as recording:
             found = recording.find(near)

@@ -292,7 +292,7 @@ def test_a_class_with_actions_that_no_move_names_is_a_state_and_events_of_inner_
     assert run.at(2.1) == ("avoid", "avoid.back")
 
 
-def test_what_no_move_names_is_told() -> None:
+def test_what_no_move_names_is_reported() -> None:
     class Walker:
         free = lambda scan: scan.distance() > 1
 
@@ -312,7 +312,7 @@ def test_what_no_move_names_is_told() -> None:
     assert machine.root.machines[0].initial == "forward"
 
 
-def test_a_helper_that_is_first_is_not_the_initial_state_where_no_move_leads_out_of_it() -> None:
+def test_a_helper_that_is_first_is_not_the_initial_state_if_no_move_leads_out_of_it() -> None:
     class Walker:
         def slow(time):
             return Drive(0.1)
@@ -328,7 +328,7 @@ def test_a_helper_that_is_first_is_not_the_initial_state_where_no_move_leads_out
     assert run.machine.note == "no move leads to the state Walker › slow"
 
 
-def test_an_event_that_no_move_names_is_told_apart_when_it_is_taken_for_the_initial_state() -> None:
+def test_an_event_that_no_move_names_gets_its_own_error_when_it_is_taken_for_the_initial_state() -> None:
     class Walker:
         def near(scan):
             return scan.distance() < 1
@@ -397,7 +397,7 @@ def test_a_machine_may_inherit_from_another() -> None:
     assert run.at(1.0) == ("b",)
 
 
-def test_a_time_that_is_nowhere_is_named() -> None:
+def test_a_missing_time_is_named() -> None:
     class Walker:
         a = b = None
         moves = "a -> b after pause"
@@ -583,7 +583,7 @@ def test_what_an_event_stores_and_calculates_are_plain_numbers() -> None:
     assert run.machine.fired[-1].text == "total \u2212 start 3.00 > 1.00 \u00b7 total \u2212 start 3.00 \u2264 5.00"
 
 
-def test_a_machine_has_variables_of_its_own_which_its_entry_sets_anew() -> None:
+def test_a_machine_has_its_own_variables_which_its_entry_resets() -> None:
     class Walker:
         class search:
             aligned, seen = False, []
@@ -629,7 +629,7 @@ def test_metres_and_radians_count_from_the_entry_of_a_state() -> None:
     assert run.machine.fired[-1].text == "driven 0.50 \u2265 0.50 m"
 
 
-def test_a_person_sends_a_machine_to_a_state_which_is_entered_at_the_next_step() -> None:
+def test_the_user_sends_a_machine_to_a_state_which_is_entered_at_the_next_step() -> None:
     def note(word: str) -> Any:
         return lambda state: state.log.append(word)
 
@@ -665,7 +665,7 @@ def test_a_person_sends_a_machine_to_a_state_which_is_entered_at_the_next_step()
         run.machine.go_to("fly")
 
 
-def test_a_nested_state_is_written_as_in_the_picture_wherever_it_is_told() -> None:
+def test_a_nested_state_is_written_as_in_the_picture_in_every_message() -> None:
     class Walker:
         class avoid:
             class turn:
@@ -701,7 +701,7 @@ def test_a_nested_state_is_written_as_in_the_picture_wherever_it_is_told() -> No
     assert machine.active_text == "avoid › right"
 
 
-def test_two_moves_that_take_turns_at_every_step_are_told_while_they_do(caplog: pytest.LogCaptureFixture) -> None:
+def test_two_moves_that_take_turns_at_every_step_are_reported_while_they_do(caplog: pytest.LogCaptureFixture) -> None:
     class Walker:
         near = lambda variables: variables.way < 0.5
         free = lambda variables: variables.way < 0.6

@@ -276,7 +276,7 @@ def test_a_step_that_pauses_its_program_may_go_on_but_not_drive(bench: Bench) ->
         (GeneratorExit(), "GeneratorExit: "),
     ],
 )
-def test_whatever_a_step_raises_stops_the_robot_at_once_and_is_said_with_its_line(
+def test_whatever_a_step_raises_stops_the_robot_at_once_and_is_reported_with_its_line(
     bench: Bench, error: BaseException, words: str
 ) -> None:
     def fail() -> None:
@@ -343,7 +343,7 @@ def test_a_step_that_catches_all_errors_is_ended_too_once_the_robot_has_zero(ben
     assert bench.heard[-1] == (1000.55, 0.0)
 
 
-def test_a_thread_that_a_step_starts_is_no_step_but_the_steps_go_on(bench: Bench) -> None:
+def test_a_thread_that_a_step_starts_is_not_a_step_but_the_steps_go_on(bench: Bench) -> None:
     threads: list[threading.Thread] = []
 
     def spawn() -> Drive:

@@ -158,7 +158,7 @@ def test_a_step_that_held_the_gil_is_an_error_that_says_how_long_and_that_zero_c
 
 
 @pytest.mark.slow
-def test_a_step_in_which_the_process_was_suspended_is_none(
+def test_a_step_in_which_the_process_was_suspended_does_not_count(
     robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(time, "process_time", lambda: 1.0)  # it did nothing

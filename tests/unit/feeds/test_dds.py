@@ -233,7 +233,7 @@ def test_a_topic_that_changes_its_type_is_heard_on(dds: Dds, heard: Ears, robot:
     )
 
 
-def test_a_latched_message_comes_to_those_who_come_late(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_latched_message_reaches_late_subscribers(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.do("latch", "/map_scan", "LaserScan", [4.0], 0.5)
     wait_for(lambda: heard.topics, "the topic is known")
     dds.follow(frozenset({"/map_scan"}))
@@ -241,7 +241,7 @@ def test_a_latched_message_comes_to_those_who_come_late(dds: Dds, heard: Ears, r
     assert list(heard.messages[0][1].ranges) == [4.0]
 
 
-def test_a_type_that_nobody_defines_is_named(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_an_undefined_type_is_named(dds: Dds, heard: Ears, robot: Robot) -> None:
     dds.follow(frozenset({"/riddle"}))
     publish_until(robot, lambda: heard.troubles, "it is said", "/riddle", "Mystery", "?")
     assert heard.words("/riddle") == (
@@ -260,7 +260,7 @@ def test_a_type_that_a_user_defines_is_heard(
     assert [message.text for _, message in heard.messages][-1] == "!"
 
 
-def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_type_with_other_fields_under_the_same_name_is_reported(dds: Dds, heard: Ears, robot: Robot) -> None:
     dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.troubles, "it is said", "/scan", "OtherScan", "no scan")
     assert heard.words("/scan") == (
@@ -269,7 +269,7 @@ def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: E
     assert not heard.messages
 
 
-def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Ears) -> None:
+def test_a_truncated_message_is_reported_until_a_whole_one_comes(heard: Ears) -> None:
     # Cyclone DDS writes no such bytes: they come from publishers that do not describe their types, as ROS 2 to Jazzy.
     session = _dds_session.DdsSession(DOMAIN, heard)
     whole = encode("cdr", TWIST, {"linear": {"x": 0.5}})
@@ -338,7 +338,7 @@ def test_publishing_without_a_connection_raises(dds: Dds, heard: Ears) -> None:
             unconnected.publish("/cmd_vel", TWIST, {})
 
 
-def test_a_message_that_dds_does_not_take_is_told(heard: Ears) -> None:
+def test_a_message_that_dds_does_not_take_is_reported(heard: Ears) -> None:
     session = _dds_session.DdsSession(DOMAIN, heard)
     raw = encode("cdr", TWIST, {})
     session.publish("/cmd_vel", TWIST, raw, is_zero=True)
@@ -414,7 +414,7 @@ def test_the_first_message_waits_for_a_subscriber_that_is_known_a_moment_later(
     publishing.join()
 
 
-def test_the_first_message_waits_for_a_moment_when_nobody_comes(heard: Ears) -> None:
+def test_the_first_message_waits_a_moment_if_no_subscriber_comes(heard: Ears) -> None:
     clock, reads = ManualClock(), ("robowidgets-dds",)
     with closing(Dds(DOMAIN, interface="lo", clock=clock)) as dds:
         dds.open(heard)
@@ -559,7 +559,7 @@ def test_closing_does_not_wait_for_long_for_a_message_that_is_handed_on(
     go_on.set()
 
 
-def test_a_subscriber_that_does_not_hear_what_is_published_is_told_until_it_is_gone(
+def test_a_subscriber_that_does_not_hear_what_is_published_is_reported_until_it_is_gone(
     dds: Dds, heard: Ears, robot: Robot
 ) -> None:
     robot.do("want_kept", "/cmd_vel", "Twist")
@@ -634,7 +634,7 @@ def test_our_readers_say_the_hash_of_their_type_as_ros_expects(dds: Dds, heard: 
     assert robot.heard() == [f"{scan}reader=robowidgets;"]
 
 
-def test_a_publisher_is_told_by_the_name_of_its_node(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_publisher_is_reported_by_the_name_of_its_node(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.do("write", "/cmd_vel", "Twist", 0.0)
     robot.do("name", "/cmd_vel", "Twist", "/arena", "planner")
     named = Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/arena/planner",), subscribers=())
@@ -643,7 +643,9 @@ def test_a_publisher_is_told_by_the_name_of_its_node(dds: Dds, heard: Ears, robo
     wait_for(lambda: heard.topics == [], "it is gone")
 
 
-def test_a_node_is_told_with_what_it_publishes_and_what_it_subscribes_to(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_node_is_reported_with_what_it_publishes_and_what_it_subscribes_to(
+    dds: Dds, heard: Ears, robot: Robot
+) -> None:
     robot.do("want_kept", "/cmd_vel", "Twist")
     robot.do("write", "/odom", "String", "here")
     robot.do("name", "/odom", "String", "/", "base")
@@ -768,7 +770,7 @@ def test_a_network_that_is_not_there_is_tried_again(heard: Ears) -> None:
     assert heard.pauses[1] > heard.pauses[0]
 
 
-def test_an_address_that_no_interface_has_is_told_with_the_interfaces_there_are(heard: Ears) -> None:
+def test_an_address_of_no_interface_is_reported_with_the_existing_interfaces(heard: Ears) -> None:
     dds = Dds(DOMAIN, interface="192.0.2.1")
     dds.open(heard)
     wait_for(lambda: heard.lost, "it is told")
@@ -818,7 +820,7 @@ def test_wrong_arguments_are_refused_by_name() -> None:
         Dds(interface=1)  # type: ignore[arg-type]
 
 
-def test_names_of_dds_are_those_of_ros() -> None:
+def test_names_of_dds_match_ros() -> None:
     assert (ros_topic("rt/a/scan"), ros_topic("rq/a/getRequest")) == ("/a/scan", "")
     assert ros_type("sensor_msgs::msg::dds_::LaserScan_") == SCAN
     assert ros_type("std_srvs::srv::dds_::Empty_Request_") == ""
@@ -873,7 +875,7 @@ def test_each_message_of_a_burst_is_recorded_or_counted(robot: Robot, tmp_path: 
 @pytest.mark.parametrize(
     ("publishers", "subscriptions"), [(["write"], [False, True]), (["best_effort", "write"], [False, False])]
 )
-def test_lost_packets_are_asked_for_again_by_who_records_if_each_publisher_can_repeat_them(
+def test_recording_requests_lost_packets_again_if_each_publisher_can_repeat_them(
     publishers: list[str],
     subscriptions: list[bool],
     dds: Dds,

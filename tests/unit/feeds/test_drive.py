@@ -70,7 +70,7 @@ def test_a_speed_is_cut_to_the_limits(driven: Driven) -> None:
 
 
 @pytest.mark.parametrize("there", [CMD_VEL, STAMPED])
-def test_a_robot_that_moves_sideways_is_told_to_within_its_limit(driven: Driven, there: Advert) -> None:
+def test_a_robot_that_moves_sideways_gets_speeds_within_its_limit(driven: Driven, there: Advert) -> None:
     feed, script = driven(there, max_lateral=0.3, hold=60.0)
     for given, sent in ((0.07, 0.07), (-5.0, -0.3)):
         feed.drive(0.1, lateral=given)
@@ -131,7 +131,7 @@ def taking(script: Scripted, kind: str, error: Exception) -> Callable[..., None]
 
 
 @pytest.mark.parametrize(("kind", "other"), [(CMD_VEL.type, STAMPED.type), (STAMPED.type, CMD_VEL.type)])
-def test_subscribers_of_both_types_get_each_speed_and_one_that_cannot_get_it_is_told(
+def test_subscribers_of_both_types_get_each_speed_and_one_that_cannot_get_it_is_reported(
     driven: Driven, monkeypatch: pytest.MonkeyPatch, kind: str, other: str
 ) -> None:
     feed, script = driven(CMD_VEL, STAMPED, hold=60.0)
@@ -151,7 +151,7 @@ def test_subscribers_of_both_types_get_each_speed_and_one_that_cannot_get_it_is_
             feed.stop()
 
 
-def test_zero_follows_for_both_types_where_one_may_have_arrived(
+def test_zero_follows_for_both_types_if_one_may_have_arrived(
     driven: Driven, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     feed, script = driven(CMD_VEL, STAMPED, hold=60.0, clock=clock)
@@ -170,7 +170,7 @@ def test_a_stamped_speed_does_not_carry_the_clock_of_this_machine(driven: Driven
     assert script.speeds[0] == (0.1, 0.2)
 
 
-def test_who_heard_a_speed_hears_its_end_whoever_listens_by_then(driven: Driven) -> None:
+def test_each_subscriber_of_a_speed_gets_its_end_even_if_others_came_since(driven: Driven) -> None:
     feed, script = driven(STAMPED, hold=60.0)
     feed.drive(0.3)
     script.listener.on_topics([CMD_VEL, STAMPED])
@@ -210,7 +210,7 @@ def test_another_topic_may_be_driven(driven: Driven) -> None:
     assert script.sent[0][0] == "/base/cmd_vel"
 
 
-def test_zero_follows_a_speed_that_nobody_renews(driven: Driven, clock: ManualClock) -> None:
+def test_zero_follows_a_speed_that_is_not_renewed(driven: Driven, clock: ManualClock) -> None:
     feed, script = driven(CMD_VEL, hold=0.5, clock=clock)
     feed.drive(0.3, 0.0)
     clock.advance(0.25)
@@ -291,7 +291,7 @@ def test_closing_sends_zero_first_if_a_speed_still_holds(driven: Driven) -> None
         feed.drive(0.1)
 
 
-def test_driving_otherwise_stops_the_robot_first_where_it_was_driven(driven: Driven) -> None:
+def test_driving_by_other_settings_first_stops_the_robot_on_the_previous_topic(driven: Driven) -> None:
     feed, script = driven(CMD_VEL, hold=60.0)
     feed.drive(0.3)
     feed.driving = Driving(topic="/other")
@@ -403,7 +403,7 @@ def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(d
     assert set(script.speeds[1:]) == {(0.0, 0.0)}
 
 
-def test_stopping_waits_a_moment_for_the_robot_and_for_somebody_who_listens(
+def test_stopping_waits_a_moment_for_the_robot_and_for_a_subscriber(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("robowidgets.feeds._connection.PATIENCE", 240.0)
@@ -564,7 +564,7 @@ def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: py
     assert set(script.speeds) == {(0.0, 0.0)}
 
 
-def test_who_drives_on_after_the_computer_slept_is_refused_until_what_came_before_is_too_old(
+def test_driving_on_after_the_computer_slept_is_refused_until_older_requests_are_too_old(
     driven: Driven, clock: ManualClock
 ) -> None:
     feed, script = driven(CMD_VEL, clock=clock)
@@ -648,7 +648,7 @@ def test_a_zero_that_cannot_be_sent_is_logged(driven: Driven, caplog: pytest.Log
     wait_for(lambda: [record.message for record in caplog.records] == [text], "it is logged")
 
 
-def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_topic_without_a_subscriber_is_reported_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, _ = driven(SCAN)
     feed.drive(0.1)
     feed.drive(0.1)
@@ -656,14 +656,14 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
     assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel"]
 
 
-def test_a_stop_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_stop_without_a_subscriber_is_reported_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, _ = driven(SCAN)
     feed.stop()
     feed.stop()
     assert [r.message for r in caplog.records] == ["the script: nobody listens to /cmd_vel"]
 
 
-def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
+def test_a_missing_subscriber_is_not_reported_while_nothing_is_connected(
     driven: Driven, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, script = driven(connected=False)
@@ -677,7 +677,7 @@ def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
     assert feed.drive_status == "nobody listens to /cmd_vel"
 
 
-def test_where_no_robot_is_driving_and_stopping_say_what_to_compare(
+def test_driving_and_stopping_without_a_robot_report_what_to_compare(
     driven: Driven, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, script = driven()
@@ -701,7 +701,7 @@ NAME_IT = r"; name the topic of your robot: feed.driving = feeds.Driving\(topic=
 TAKEN = "the script: nobody listens to /cmd_vel: speeds go to /robot1/cmd_vel, where alone somebody does"
 
 
-def test_the_only_topic_of_speeds_that_is_heard_is_driven_and_that_is_said_once(
+def test_the_only_topic_of_speeds_with_a_subscriber_is_driven_and_that_is_reported_once(
     driven: Driven, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, script = driven(SCAN, ROBOT_1, ODOM, hold=60.0)
@@ -754,7 +754,7 @@ def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(drive
     assert script.sent[-1][0] == "/robot2/cmd_vel"
 
 
-def test_a_topic_that_was_set_stays_and_stopping_where_nobody_hears_it_says_who_is_heard(driven: Driven) -> None:
+def test_a_set_topic_stays_and_stopping_without_a_subscriber_names_the_subscribed_topics(driven: Driven) -> None:
     feed, script = driven(SCAN, ROBOT_1, topic="/cmd_vel")
     feed.drive(0.1)
     with pytest.raises(FeedError, match=f"cannot stop: nobody listens to /cmd_vel, but to /robot1/cmd_vel{NAME_IT}"):
@@ -762,7 +762,7 @@ def test_a_topic_that_was_set_stays_and_stopping_where_nobody_hears_it_says_who_
     assert {topic for topic, _, _ in script.sent} == {"/cmd_vel"}
 
 
-def test_what_was_driven_once_is_driven_on_whoever_else_is_heard(driven: Driven) -> None:
+def test_a_driven_topic_is_driven_on_even_if_others_get_subscribers(driven: Driven) -> None:
     for first, other in ((CMD_VEL, ROBOT_1), (ROBOT_1, CMD_VEL)):
         feed, script = driven(SCAN, first, hold=60.0)
         feed.drive(0.1)
@@ -791,7 +791,7 @@ def test_no_topic_is_chosen_before_the_usual_one_had_time_to_be_found(
     assert {topic for topic, _, _ in script.sent} == {"/cmd_vel"}
 
 
-def test_a_bridge_that_does_not_tell_the_type_of_what_is_only_heard_is_driven_too(driven: Driven) -> None:
+def test_a_bridge_that_does_not_know_the_type_of_a_topic_with_subscribers_only_is_driven_too(driven: Driven) -> None:
     feed, script = driven(SCAN, ROBOT_1._replace(type=""), Advert("/gripper/command", "", False, True))
     feed.drive(0.1)
     assert script.sent[0][:2] == ("/robot1/cmd_vel", CMD_VEL.type)
@@ -810,7 +810,9 @@ def test_a_bridge_that_does_not_tell_the_type_of_what_is_only_heard_is_driven_to
         ((0.1 + 0.4 + 1e-12, 0), ""),
     ],
 )
-def test_a_speed_that_is_cut_is_told_until_one_is_not(driven: Driven, speed: tuple[float, float], words: str) -> None:
+def test_a_speed_that_is_cut_is_reported_until_one_is_not(
+    driven: Driven, speed: tuple[float, float], words: str
+) -> None:
     feed, _ = driven(CMD_VEL, hold=60.0)
     feed.drive(*speed)
     assert feed.drive_status == words
@@ -857,14 +859,14 @@ def _driving_threads() -> list[threading.Thread]:
     return [thread for thread in threading.enumerate() if thread.name == "robowidgets-drive"]
 
 
-def test_where_nobody_can_tell_who_listens_nothing_is_said(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+def test_if_subscribers_are_unknown_nothing_is_reported(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, script = driven(SCAN._replace(wanted=None))
     feed.drive(0.1)
     assert (feed.drive_status, caplog.records) == ("", [])
     assert script.speeds == [(0.1, 0.0)]
 
 
-def test_a_hand_on_a_pad_outranks_a_program_which_is_told(driven: Driven) -> None:
+def test_a_hand_on_a_pad_outranks_a_program_which_gets_an_error(driven: Driven) -> None:
     feed, script = driven(CMD_VEL)
     feed.drive(0.3)
     feed.watchdog.take("press")
@@ -919,12 +921,12 @@ def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, mon
         ((), "somebody else publishes /cmd_vel, too"),
     ],
 )
-def test_who_else_publishes_speeds_is_named(driven: Driven, others: tuple[str, ...], words: str) -> None:
+def test_another_publisher_of_speeds_is_named(driven: Driven, others: tuple[str, ...], words: str) -> None:
     feed, _ = driven(CMD_VEL._replace(offered=True, publishers=others))
     assert feed.drive_status == words
 
 
-def test_who_does_not_hear_what_is_published_is_told_and_logged_once_and_again_when_it_does(
+def test_an_unreached_subscriber_is_reported_and_logged_once_and_again_when_it_is_reached(
     driven: Driven, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, script = driven(CMD_VEL)
@@ -938,7 +940,7 @@ def test_who_does_not_hear_what_is_published_is_told_and_logged_once_and_again_w
     assert feed.drive_status == ""
 
 
-def test_what_is_driven_is_shown_as_commanded_whoever_knows_the_topic(driven: Driven) -> None:
+def test_the_driven_topic_is_shown_as_commanded_if_it_is_unknown_too(driven: Driven) -> None:
     for there in ((ODOM, CMD_VEL), (ODOM,)):
         feed, _ = driven(*there, hold=60.0)
         speed = feed.show().widgets["/odom"]

@@ -179,7 +179,7 @@ def test_a_server_without_topics_says_so(ears: Ears) -> None:
         middleware.close()
 
 
-def test_who_publishes_and_who_listens_is_told_without_counting_the_bridge(ears: Ears) -> None:
+def test_publishers_and_subscribers_are_reported_without_counting_the_bridge(ears: Ears) -> None:
     real = Real(capabilities=[Capability.ConnectionGraph])
     middleware = opened(real.address, ears)
     try:
@@ -229,7 +229,7 @@ def test_a_killed_robot_is_found_again_when_it_is_back(ears: Ears) -> None:
         robot.wait()
 
 
-def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ears) -> None:
+def test_a_refused_connection_is_reported_and_tried_again_ever_more_rarely(ears: Ears) -> None:
     address = f"ws://127.0.0.1:{free_port()}"
     middleware = opened(address, ears)
     wait_for(lambda: len(ears.lost) == 2, "it was tried twice")
@@ -242,7 +242,7 @@ def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ear
     assert ears.connected == 0
 
 
-def test_a_truncated_message_is_told_until_a_whole_one_comes(real: Real, ears: Ears) -> None:
+def test_a_truncated_message_is_reported_until_a_whole_one_comes(real: Real, ears: Ears) -> None:
     middleware = opened(real.address, ears, "/scan")
     try:
         wait_for(lambda: real.scan.log(cdr()[:40]) or ears.troubles.get("/scan"), "the trouble was told")
@@ -281,7 +281,7 @@ def test_what_cannot_be_read_is_not_asked_for_and_named(offer: dict[str, str], w
         assert server.subscribed == {}
 
 
-def test_json_that_is_none_or_no_object_is_named(ears: Ears) -> None:
+def test_invalid_json_and_json_without_an_object_are_named(ears: Ears) -> None:
     with OldFoxglove([channel(1, encoding="json")]) as server:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
@@ -322,7 +322,7 @@ def test_two_publishers_on_one_topic_are_both_heard(ears: Ears) -> None:
     assert ears.topics == [Advert("/scan", SCAN)]
 
 
-def test_two_types_on_one_topic_are_told_as_two(ears: Ears) -> None:
+def test_two_types_on_one_topic_are_reported_as_two(ears: Ears) -> None:
     with OldFoxglove([channel(1), channel(2, kind=TWIST)]) as server:
         middleware = opened(server.address, ears)
         told = [Advert("/scan", SCAN), Advert("/scan", TWIST)]
@@ -382,7 +382,7 @@ def test_what_piled_up_is_not_read_but_the_newest(ears: Ears, monkeypatch: pytes
         ("Failed to subscribe to /scan", False),
     ],
 )
-def test_a_publisher_that_the_bridge_cannot_make_is_told(text: str, is_told: bool, ears: Ears) -> None:
+def test_a_publisher_that_the_bridge_cannot_make_is_reported(text: str, is_told: bool, ears: Ears) -> None:
     info = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
     with OldFoxglove([channel(1)], **info) as server:
         middleware = opened(server.address, ears, "/scan")
@@ -571,7 +571,7 @@ def test_a_server_that_says_odd_things_is_heard_no_less(ears: Ears) -> None:
     assert f"{server.address} does not speak foxglove: it said 'no JSON'" in ears.said
 
 
-def test_what_the_robot_says_of_a_topic_is_told_of_that_topic(ears: Ears) -> None:
+def test_a_message_of_the_robot_about_a_topic_is_reported_for_that_topic(ears: Ears) -> None:
     with OldFoxglove([channel(1), channel(2, "/scan_2")]) as server:
         middleware = opened(server.address, ears, "/scan", "/scan_2")
         wait_for(lambda: len(server.subscribed) == 2, "it subscribed")
@@ -594,7 +594,7 @@ def test_every_event_of_a_bumper_is_handed_on(ears: Ears) -> None:
     assert [message.bumper for message in ears.of("/bumper")] == 20 * [0, 1, 2]
 
 
-def test_a_rosbridge_at_the_port_is_told_with_the_feed_for_it(ears: Ears) -> None:
+def test_a_rosbridge_at_the_port_is_reported_with_the_feed_for_it(ears: Ears) -> None:
     for rosapi in (True, False):
         with Rosbridge({}, rosapi=rosapi) as server:
             middleware = Foxglove(server.address)

@@ -256,7 +256,7 @@ def test_the_log_has_the_traceback_of_a_function_that_raises_without_our_frames(
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, SystemExit])
-def test_an_error_names_the_function_and_its_line_and_is_told_until_it_comes_back_well(
+def test_an_error_names_the_function_and_its_line_and_is_reported_until_it_comes_back_well(
     opened: Opened, caplog: pytest.LogCaptureFixture, error: type[BaseException]
 ) -> None:
     feed, script = opened(SCAN)
@@ -395,7 +395,7 @@ def test_a_function_that_was_replaced_while_it_hung_drives_no_more_and_the_next_
     assert (0.5, 0.0) not in script.speeds
 
 
-def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_dropped(
+def test_a_feed_that_was_reopened_says_which_functions_of_other_cells_it_dropped(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     cell = ["feed", "run 1"]
@@ -471,14 +471,14 @@ class TestScans:
         with pytest.raises(TimeoutError, match=r"^no scan of /scan for 0\.2 s$"):
             next(hasty)
 
-    def test_where_none_ever_came_it_says_why(self, opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_if_none_ever_came_the_error_has_the_reason(self, opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("robowidgets.feeds._scan_iterator.FIRST_TIMEOUT", 0.1)
         feed, _ = opened(SCAN)
         with pytest.raises(TimeoutError, match=r"no scan of /scna for 0.1 s: no such topic /scna; there are /scan"):
             next(feed.scans("/scna", timeout=0.1))
 
     @pytest.mark.parametrize("how", ["scans", "wait"])
-    def test_a_topic_that_is_not_there_is_told_while_it_is_awaited_and_may_come_late(
+    def test_a_missing_topic_is_reported_while_it_is_awaited_and_may_come_late(
         self, opened: Opened, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, how: str
     ) -> None:
         for module in ("feeds._connection", "_core.robot_widget"):

@@ -60,7 +60,7 @@ def test_messages_come_whole_however_their_bytes_come() -> None:
     ],
     ids=["checksum", "length", "name", "parts", "type", "flag", "text"],
 )
-def test_a_damaged_message_is_none(data: bytes) -> None:
+def test_a_damaged_message_is_not_a_message(data: bytes) -> None:
     with pytest.raises(DamagedError):
         list(Unpacker(TO_GUARD).take(data))
 
@@ -130,7 +130,7 @@ def test_zero_comes_when_the_kernel_is_silent_and_not_before(guarded: Guarded) -
     assert guarded.speeds == [0.3, 0.0]
 
 
-def test_a_kernel_that_was_silent_is_told_for_how_long_and_must_know_it_before_it_drives_on(guarded: Guarded) -> None:
+def test_a_silent_kernel_is_told_the_duration_and_must_confirm_it_before_it_drives_on(guarded: Guarded) -> None:
     guarded.drive(hold=60.0)
     guarded.pass_time(10.0)
     assert guarded.drive(hold=60.0)[3:5] == ("FeedError", "the guard has stopped the robot meanwhile")
@@ -182,7 +182,7 @@ def test_a_speed_that_comes_too_late_is_not_sent(guarded: Guarded) -> None:
     assert guarded.speeds == []
 
 
-def test_a_robot_that_is_not_reached_yet_or_not_discovered_is_told() -> None:
+def test_a_robot_that_is_not_reached_yet_or_not_discovered_is_reported() -> None:
     guarded = Guarded()
     guarded.robot = Scripted(CMD_VEL._replace(wanted=False))
     guarded.guarding = Guarding(lambda *told: guarded.told.append(told), guarded.clock, lambda *_: guarded.robot)
@@ -236,7 +236,7 @@ def test_the_end_gives_up_a_robot_that_cannot_be_reached(guarded: Guarded) -> No
     assert guarded.robot.closed == 1
 
 
-def test_a_robot_that_takes_long_for_each_of_several_messages_is_told_as_slow(guarded: Guarded) -> None:
+def test_a_robot_that_takes_long_for_each_of_several_messages_is_reported_as_slow(guarded: Guarded) -> None:
     guarded.drive(hold=60.0)
     other = [["/cmd_vel", "geometry_msgs/msg/TwistStamped", False, True]]
     publish = guarded.robot.publish
@@ -347,7 +347,7 @@ def test_a_guard_that_says_nothing_is_ended(played: Played, monkeypatch: pytest.
     wait_for(lambda: played.link.ends == 1, "it is ended")
 
 
-def test_a_feed_drives_beside_another_one_unless_its_first_speed_is_refused(played: Played) -> None:
+def test_a_feed_drives_at_the_same_time_as_another_unless_its_first_speed_is_refused(played: Played) -> None:
     for refused, drives in ((True, False), (False, True), (True, True)):
         asked = played.asked(1, Velocity(0.3))
         played.answer(played.hear("drive"), *(("FeedError", "/cmd_vel is no topic of speeds") if refused else ()))
@@ -460,7 +460,7 @@ def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last_and_see_each_o
 
 
 @pytest.mark.slow
-def test_a_guard_that_dies_is_told_the_kernel_sends_zero_and_another_one_drives(
+def test_a_guard_that_dies_is_reported_the_kernel_sends_zero_and_another_one_drives(
     robot: Rosbridge, with_guards: ExitStack, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, guard = opened(with_guards, robot)
@@ -613,7 +613,7 @@ def test_a_guard_imports_the_standard_library_whatever_lies_in_the_folder_of_the
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
-def test_a_forked_process_refuses_to_drive_whoever_held_the_locks(robot: Rosbridge, with_guards: ExitStack) -> None:
+def test_a_forked_process_refuses_to_drive_whatever_locks_were_held(robot: Rosbridge, with_guards: ExitStack) -> None:
     feed, guard = opened(with_guards, robot)
     feed.drive(0.3)
     reading, writing = os.pipe()
@@ -642,7 +642,7 @@ def test_a_forked_process_refuses_to_drive_whoever_held_the_locks(robot: Rosbrid
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="this system tells nobody of the end of a process")
-def test_the_end_of_the_server_is_that_of_the_guard_and_no_other_one_drives(
+def test_the_end_of_the_server_ends_the_guard_and_no_other_one_drives(
     robot: Rosbridge, with_guards: ExitStack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     server = with_guards.enter_context(subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE))
@@ -667,7 +667,7 @@ def test_the_end_of_the_server_is_that_of_the_guard_and_no_other_one_drives(
     ids=["a host that forbids it", "Windows"],
 )
 @pytest.mark.slow
-def test_where_no_process_can_be_started_the_kernel_sends_and_says_so(
+def test_if_no_process_can_be_started_the_kernel_sends_and_reports_it(
     robot: Rosbridge,
     with_guards: ExitStack,
     monkeypatch: pytest.MonkeyPatch,
@@ -698,7 +698,7 @@ def test_a_damaged_message_ends_a_guard_with_zero(
 
 
 @pytest.mark.slow
-def test_a_guard_survives_the_signals_of_a_terminal_and_ends_with_zero_when_it_is_told_to(
+def test_a_guard_survives_the_signals_of_a_terminal_and_ends_with_zero_on_request(
     robot: Rosbridge, with_guards: ExitStack
 ) -> None:
     feed, guard = opened(with_guards, robot)

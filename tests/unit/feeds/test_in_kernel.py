@@ -253,7 +253,7 @@ time.sleep(60)
     assert log.heard()[-1][1] == 0.0
 
 
-def test_nobody_drives_a_robot_while_the_feeds_of_others_are_closed(
+def test_no_program_drives_a_robot_while_the_feeds_of_others_are_closed(
     log: Log, start: Callable[..., subprocess.Popen[bytes]]
 ) -> None:
     two = """

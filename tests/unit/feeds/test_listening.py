@@ -222,7 +222,7 @@ def test_a_large_topic_is_silent_once_a_whole_glance_has_missed_it(
     assert "silent" not in page.says("/left")
 
 
-def test_who_comes_late_gets_what_a_publisher_keeps_and_nothing_old_of_a_sensor(
+def test_a_late_subscriber_gets_kept_messages_and_nothing_old_of_a_sensor(
     feed: Feed, script: Scripted, clock: ManualClock
 ) -> None:
     """The list listens to everything, so that a later connection is not the first to ask."""
@@ -266,7 +266,7 @@ def test_what_was_kept_before_the_robot_was_lost_is_not_passed_on(
     assert late.message is None
 
 
-def test_one_who_looks_and_raises_is_called_again_and_holds_up_no_other(
+def test_an_observer_that_raises_is_called_again_and_delays_no_other(
     feed: Feed, clock: ManualClock, caplog: pytest.LogCaptureFixture
 ) -> None:
     failed: list[bool] = []
@@ -317,7 +317,7 @@ def test_messages_that_newer_ones_replaced_count_for_the_rates_of_list_and_card(
     assert page.says("/scan")["messages"] == 5 * 100 - 4, "all but those before the first"
 
 
-def test_a_burst_of_a_large_topic_is_no_rate(script: Scripted, page: Looking, clock: ManualClock) -> None:
+def test_a_burst_of_a_large_topic_is_not_a_rate(script: Scripted, page: Looking, clock: ManualClock) -> None:
     page.look("/left")
     clock.advance()
     for _ in range(12):

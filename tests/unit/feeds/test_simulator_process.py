@@ -127,7 +127,7 @@ for messages in (first, [("/odom", 5)]): pickle.dump(messages, sys.stdout.buffer
 """
 
 
-def test_of_samples_that_come_together_only_the_last_is_for_those_who_take_the_newest(
+def test_of_samples_that_come_together_callers_of_the_newest_get_only_the_last(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(robot_process, "SERVE", WRITES)

@@ -44,7 +44,7 @@ class Hangs(Scripted):
 
 
 class TestStopAll:
-    def test_a_robot_that_is_lost_or_hangs_is_told_and_holds_up_no_other(self, opened: ExitStack) -> None:
+    def test_a_robot_that_is_lost_or_hangs_is_reported_and_delays_no_other(self, opened: ExitStack) -> None:
         red, red_script = scripted(opened)
         lost, _ = scripted(opened, connected=False)
         hanging = Hangs()
@@ -89,7 +89,7 @@ class TestStopAll:
         assert script.speeds[-1] == (0.0, 0.0)
         everybody.release()
 
-    def test_a_release_leaves_a_stop_that_someone_pressed_meanwhile(self, opened: ExitStack) -> None:
+    def test_a_release_keeps_a_stop_that_was_pressed_meanwhile(self, opened: ExitStack) -> None:
         red, script = scripted(opened)
         everybody, others = feeds.StopAll({"red": red}), feeds.StopAll({"red": red})
         everybody.stop(60)

@@ -86,7 +86,7 @@ def test_a_robot_that_tells_no_nodes_shows_topics_alone_and_says_so(script: Scri
     assert wires.wiring.note == "asking who publishes what: 1 of 2 topics so far"
 
 
-def test_rates_and_values_come_while_somebody_looks_and_cost_nothing_after(
+def test_rates_and_values_come_while_a_page_looks_and_cost_nothing_after(
     script: Scripted, wires: FeedWires, clock: ManualClock
 ) -> None:
     assert (script.asked, script.asks_for_nodes) == ([], False)
@@ -132,7 +132,7 @@ def test_a_page_that_has_gone_without_a_word_is_forgotten(
     assert "/scan" in script._followed
 
 
-def test_of_many_topics_some_are_listened_to_beside_those_that_are_connected(
+def test_some_of_many_topics_are_listened_to_in_addition_to_connected_ones(
     script: Scripted, feed: Feed, wires: FeedWires, clock: ManualClock
 ) -> None:
     script.listener.on_topics([CAMERA, *(Advert(f"/number_{i}", NUMBER) for i in range(200))])
@@ -181,7 +181,7 @@ def test_the_notebooks_part_says_how_often_it_ran_and_what_it_got_and_gave(
     laser.close()
 
 
-def test_a_function_that_raises_is_told_with_its_line(script: Scripted, feed: Feed, wires: FeedWires) -> None:
+def test_a_function_that_raises_is_reported_with_its_line(script: Scripted, feed: Feed, wires: FeedWires) -> None:
     def fails(sample: Any) -> None:
         raise ValueError("no wall")
 
@@ -191,7 +191,7 @@ def test_a_function_that_raises_is_told_with_its_line(script: Scripted, feed: Fe
     assert "ValueError: no wall" in parts(wires, "function")[0].problem
 
 
-def test_the_program_and_the_speeds_that_come_out_are_told(script: Scripted, feed: Feed, wires: FeedWires) -> None:
+def test_the_program_and_the_speeds_that_come_out_are_reported(script: Scripted, feed: Feed, wires: FeedWires) -> None:
     assert parts(wires, "program") == parts(wires, "speeds") == []
 
     @feed.program(on="/scan")
@@ -233,7 +233,7 @@ def test_a_topic_that_only_the_notebook_names_is_there_too(feed: Feed, wires: Fe
         ("/my_action/feedback", False),
     ],
 )
-def test_infrastructure_is_told_by_the_name(name: str, is_one: bool) -> None:
+def test_infrastructure_is_reported_by_the_name(name: str, is_one: bool) -> None:
     assert is_infrastructure(name) is is_one
 
 
@@ -303,7 +303,7 @@ def test_a_closed_feed_ends_it_in_words(feed: Feed) -> None:
     widget.close()
 
 
-def test_a_source_that_is_none_and_an_unknown_keyword_are_refused(feed: Feed) -> None:
+def test_an_invalid_source_and_an_unknown_keyword_are_refused(feed: Feed) -> None:
     with pytest.raises(TypeError, match=r"expected what feed\.wires\(\) or recording\.wires\(\) gives it"):
         WiresWidget(feed)
     with pytest.raises(TypeError, match="did you mean 'infrastructure'"):

@@ -182,7 +182,7 @@ def test_a_full_disk_leaves_the_earlier_index(runs: Path, output: Path) -> None:
     assert [path.name for path in output.parent.iterdir() if "part" in path.suffix] == []
 
 
-def test_what_is_no_index_is_refused_with_what_writes_one(tmp_path: Path) -> None:
+def test_what_is_not_an_index_is_refused_with_what_writes_one(tmp_path: Path) -> None:
     import pyarrow
     import pyarrow.parquet
 

@@ -51,7 +51,7 @@ def loop(files: list[Path], condition: Any) -> list[tuple[Any, ...]]:
 @pytest.mark.parametrize(
     ("condition", "folder"), [(NEAR, ""), (conditions.touched(), "good"), (conditions.gap(1.0), "good")], ids=str
 )
-def test_the_rows_of_real_recordings_are_those_of_single_searches(condition: Any, folder: str) -> None:
+def test_the_rows_of_real_recordings_match_single_searches(condition: Any, folder: str) -> None:
     hits = find(condition, DATA / folder, executor=Here())
     unsure = {*hits.chosen, *(one.file for one in hits.unread)}
     alone = [Path(file) for file in hits.files if file not in unsure]
@@ -84,7 +84,7 @@ def test_what_was_kept_holds_for_the_same_condition_alone(runs: Path) -> None:
     assert ran(NEAR) == 0
 
 
-def test_what_cannot_be_kept_is_told_and_loses_nothing(
+def test_what_cannot_be_kept_is_reported_and_loses_nothing(
     runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "no_folder").write_text("")
@@ -130,7 +130,7 @@ def _interrupts_once(moment: Any) -> bool:
     return bool(moment.scan.distance() < 0.3)
 
 
-def test_who_waits_for_recordings_that_take_long_is_called_meanwhile() -> None:
+def test_callers_waiting_for_slow_recordings_are_called_meanwhile() -> None:
     with ThreadPoolExecutor(1) as threads:
         assert [*each(_waits_for_a_call, ["a.mcap"], threads, idle=CALLED.set)] == [Done("a.mcap", True)]
 
@@ -302,7 +302,7 @@ def test_a_function_that_fails_names_the_recording_and_the_time(runs: Path) -> N
 
 
 @pytest.mark.slow
-def test_the_rows_are_those_of_single_searches_in_the_processes_of_a_script_that_need_not_ask_for_its_name(
+def test_the_rows_match_single_searches_in_the_processes_of_a_script_without_a_main_guard(
     runs: Path, tmp_path: Path
 ) -> None:
     script = tmp_path / "search.py"
@@ -392,7 +392,7 @@ def test_files_and_urls_which_have_no_folder_in_common_are_named_whole() -> None
 
 
 @pytest.mark.parametrize("executor", [3, object()])
-def test_what_has_no_submit_is_no_executor(runs: Path, executor: Any) -> None:
+def test_an_object_without_submit_is_not_an_executor(runs: Path, executor: Any) -> None:
     with pytest.raises(TypeError, match=r"executor: expected what has submit\(\)"):
         find(NEAR, runs, executor=executor)
 
@@ -418,7 +418,7 @@ def test_the_command_prints_a_line_for_each_span_of_several_recordings(
     assert main(["find", str(runs / "run_2.mcap"), "--nearest-below", "0.001"]) == 1
 
 
-def test_the_command_exits_with_2_where_no_recording_could_be_searched(
+def test_the_command_exits_with_2_if_no_recording_could_be_searched(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["find", str(tmp_path / "a.bag"), str(tmp_path / "b.bag"), "--touched"]) == 2

@@ -103,7 +103,7 @@ def test_what_cannot_be_read_becomes_a_row_and_stops_nothing(bucket: Any) -> Non
     assert "s3://none/*.mcap" in problems
 
 
-def test_no_permission_is_told(bucket: Any) -> None:
+def test_no_permission_is_reported(bucket: Any) -> None:
     from moto.core import set_initial_no_auth_action_count
 
     bucket.put_object(Key="drive.mcap", Body=SAMPLE.read_bytes())

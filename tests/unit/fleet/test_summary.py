@@ -69,7 +69,7 @@ def test_problems_that_differ_by_their_numbers_are_one_kind(runs: Path) -> None:
 
 
 @pytest.mark.parametrize(("command", "code"), [("info", 1), ("doctor", 2)])
-def test_a_command_that_could_read_none_of_several_says_why_of_each_and_fails(
+def test_a_command_that_could_read_none_of_several_files_reports_each_reason_and_fails(
     command: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     files = [str(tmp_path / name) for name in ("a.mcap", "b.mcap")]

@@ -76,7 +76,7 @@ def test_a_definition_that_is_not_of_the_file_describes_all_bytes_or_nothing(tmp
 
 
 @pytest.mark.parametrize("name", ["std_msgs/msg/Float64", "sensor_msgs/msg/LaserScan"])
-def test_the_table_of_topics_says_at_once_that_messages_are_no_messages(tmp_path: Path, name: str) -> None:
+def test_the_table_of_topics_reports_at_once_that_messages_are_invalid(tmp_path: Path, name: str) -> None:
     path = write_mcap(tmp_path / "x.mcap", {"/x": (name, "ros2msg", text_of(name), "cdr")}, [(0, "/x", b"\0\1\0\0x")])
     with robowidgets.open(path) as recording:
         assert "! /x: messages that cannot be shown are left out, the first at 0.00 s: 5 bytes" in recording.info()

@@ -37,12 +37,12 @@ def times(silences: Sequence[Silence]) -> list[float]:
 
 
 class TestSilences:
-    def test_of_a_topic_are_told_in_a_line(self, tmp_path: Path) -> None:
+    def test_of_a_topic_are_reported_in_a_line(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 200)]) == (
             "/a: nothing was recorded for 100.00 s from 100.00 s on, or the clock jumped ahead",
         )
 
-    def test_of_a_topic_that_come_again_are_told_in_a_line(self, tmp_path: Path) -> None:
+    def test_of_a_topic_that_come_again_are_reported_in_a_line(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 200), (500, 570)]) == (
             "/a: nothing was recorded 2 times, first from 100.00 s on, for up to 100.00 s, or the clock jumped ahead",
         )
@@ -50,12 +50,12 @@ class TestSilences:
     def test_of_less_than_a_minute_are_none(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 150)]) == ()
 
-    def test_that_topics_share_are_told_once(self, tmp_path: Path) -> None:
+    def test_that_topics_share_are_reported_once(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 200)], odom=[(100, 200)], tf=[]) == (
             "/a, /odom: nothing was recorded for 99.91 s from 100.09 s on, or the clock jumped ahead",
         )
 
-    def test_of_other_lengths_or_at_other_times_are_told_by_themselves(self, tmp_path: Path) -> None:
+    def test_of_other_lengths_or_at_other_times_are_reported_separately(self, tmp_path: Path) -> None:
         lines = problems(tmp_path, a=[(100, 200)], b=[(100, 300)], c=[(500, 600)], d=[(100, 200), (500, 600)])
         assert [line.partition(":")[0] for line in lines] == ["/a", "/b", "/c", "/d"]
 

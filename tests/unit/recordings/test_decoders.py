@@ -164,7 +164,7 @@ class TestScans:
         assert any("not used" in problem.what for problem in odd.problems())
         assert not again.problems()
 
-    def test_go_on_after_what_is_no_scan(self) -> None:
+    def test_go_on_after_a_message_that_is_not_a_scan(self) -> None:
         watched = Watched(SCAN)
         watched(scan_bytes())
         with pytest.raises(DecodeError):

@@ -87,12 +87,12 @@ def store(base: Stores) -> Typestore:
 
 
 @pytest.mark.parametrize("name", ROS2)
-def test_fields_are_those_of_ros_2(name: str) -> None:
+def test_fields_match_ros_2(name: str) -> None:
     assert store(Stores.ROS2_HUMBLE).hash_rihs01(name).removeprefix("RIHS01_")[:16] == ROS2[name]
 
 
 @pytest.mark.parametrize("name", ROS1)
-def test_fields_are_those_of_ros_1(name: str) -> None:
+def test_fields_match_ros_1(name: str) -> None:
     assert store(Stores.ROS1_NOETIC).generate_msgdef(name)[1] == ROS1[name]
 
 
@@ -175,7 +175,7 @@ def test_the_package_is_named_by_its_package_xml(tmp_path: Path) -> None:
     assert "my_msgs/msg/Part" in add_definitions(folder / "msg" / "Part.msg")
 
 
-def test_those_of_a_ros_2_that_is_sourced_are_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_definitions_of_a_sourced_ros_2_are_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = unknown_recording(tmp_path / "x")
     package(tmp_path / "opt" / "share")
     monkeypatch.setenv("AMENT_PREFIX_PATH", f"/nowhere:{tmp_path / 'opt'}")
@@ -215,7 +215,7 @@ def test_one_that_was_added_comes_before_ours_and_before_the_standard() -> None:
         (3, TypeError, "got 3"),
     ],
 )
-def test_what_is_no_definition_is_an_error_and_adds_none(source: str, error: type[Exception], says: str) -> None:
+def test_what_is_not_a_definition_is_an_error_and_adds_none(source: str, error: type[Exception], says: str) -> None:
     with pytest.raises(error, match=says):
         add_definitions(source)
     for name in ("my_msgs/msg/Odd", "my_msgs/msg/Status", "my_msgs/msg/Loop"):

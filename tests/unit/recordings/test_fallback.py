@@ -81,7 +81,7 @@ def test_a_file_that_is_read_in_turns_is_repaired_once() -> None:
     assert [repaired.closed for repaired in opened] == [1]
 
 
-def test_what_is_wrong_is_told_once_it_is_known() -> None:
+def test_what_is_wrong_is_reported_once_it_is_known() -> None:
     source = FallbackSource(Held(held(), 2), lambda: Held(held(), problems=("damaged in 1 place",)))
     assert source.problems == ()
     list(source.messages([SCAN]))

@@ -69,7 +69,7 @@ def assert_equal(column: Any, messages: Sequence[Any], name: str) -> None:
 
 
 @pytest.mark.slow
-def test_every_field_of_every_topic_is_that_of_rosbags_to_the_last_bit(data: Path) -> None:
+def test_every_field_of_every_topic_matches_rosbags_to_the_last_bit(data: Path) -> None:
     topics = columns = 0
     for path in recordings_in(data):
         try:
@@ -142,7 +142,7 @@ def test_names_select_columns_and_the_name_of_a_message_those_in_it(fields: Fiel
     assert some["linear_acceleration.x"].tolist() == [2 / 3, 1.0]
 
 
-def test_types_are_those_of_the_definition(fields: Fields) -> None:
+def test_types_match_the_definition(fields: Fields) -> None:
     assert list(fields.types.items())[:4] == [
         ("header.stamp", "time"),
         ("header.frame_id", "string"),

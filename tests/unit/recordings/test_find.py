@@ -93,7 +93,7 @@ class TestReadyMade:
         recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
         assert found(recording, conditions.nearest_below(0.3, sector)) == held
 
-    def test_what_is_no_reading_is_not_near_but_too_close_is(self, tmp_path: Path) -> None:
+    def test_what_is_not_a_reading_is_not_near_but_too_close_is(self, tmp_path: Path) -> None:
         rows = [0.0, 0.05, NAN, INF, -INF, 0.1]
         scans = ((i, sweeps.scan(START_NS, [row])) for i, row in enumerate(rows))
         recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
@@ -124,7 +124,7 @@ class TestReadyMade:
         assert found(drive, conditions.gap(2.5, topic="/bumper")) == [(3, 6), (7, 10)]
         assert found(drive, conditions.gap(0.5)) == []  # a command may be silent
 
-    def test_a_release_that_no_message_told_ends_no_silence(self, tmp_path: Path) -> None:
+    def test_a_release_without_a_message_ends_no_silence(self, tmp_path: Path) -> None:
         touches = {0.0: True, 2.0: True, 3.0: False}  # released at 0.15 s and 2.15 s by themselves
         recording = robowidgets.open(hazards.write(tmp_path / "x", touches))
         assert found(recording, conditions.gap(1.9, topic="/hazard_detection")) == [(0, 2)]
@@ -222,7 +222,7 @@ class TestFunctions:
         drive.find(lambda moment: calls.append(moment.scan), topics="/scan")
         assert len(calls) == 100
 
-    def test_what_goes_wrong_is_told_with_its_time(self, drive: robowidgets.Recording) -> None:
+    def test_what_goes_wrong_is_reported_with_its_time(self, drive: robowidgets.Recording) -> None:
         def inverse(moment: Any) -> bool:
             return bool(1 / (moment.scan.ranges[0] - np.float32(1.55)) or 1 / 0) and moment.seconds > 3 and 1 / 0 > 1
 
@@ -264,7 +264,7 @@ class TestFunctions:
         assert found(drive, far) == [(5.1, 10)]
         assert kept[0] <= before + 1
 
-    def test_what_is_no_condition_is_refused(self, drive: robowidgets.Recording) -> None:
+    def test_what_is_not_a_condition_is_refused(self, drive: robowidgets.Recording) -> None:
         with pytest.raises(TypeError, match=r"condition: expected a function of one moment, or one of .*, got 'bump'"):
             drive.find("bump")  # type: ignore[arg-type]
 

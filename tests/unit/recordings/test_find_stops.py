@@ -39,7 +39,7 @@ def test_where_a_new_program_would_have_stopped_and_the_old_one_not(drive: robow
     assert found(drive, loads(dumps(new))) == [(0, 5.1)]  # as it is sent to another process
 
 
-def test_a_program_keeps_its_state_and_speed_from_step_to_step_and_each_search_begins_anew(
+def test_a_program_keeps_its_state_and_speed_between_steps_and_each_search_restarts(
     drive: robowidgets.Recording,
 ) -> None:
     class Waits:

@@ -89,7 +89,7 @@ def test_a_turn_goes_the_short_way_whatever_sign_its_quaternion_has() -> None:
     assert at(frames, "base", "odom", 1)[2] == pytest.approx(0.1, abs=1e-4)
 
 
-def test_the_robots_own_clock_goes_before_that_of_the_recorder() -> None:
+def test_the_robots_own_clock_goes_before_the_clock_of_the_recorder() -> None:
     late = [joint("odom", "base", 10 + t, pose(t, 0), stamp=5 + t) for t in (0, 1, 2)]
     assert at(FrameTree(late), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
     assert at(FrameTree(late), "base", "odom", 11.5)[0] == pytest.approx(1.5)

@@ -136,7 +136,7 @@ class TestOtherJson:
             assert recording.topics[0].type == "json/msg/Message"
 
     @pytest.mark.parametrize("wrong", [b"{", b"[1]", b"7", b"\xff", b"[" * 100_000], ids=lambda raw: repr(raw[:3]))
-    def test_that_is_no_message_is_left_out_and_named(self, tmp_path: Path, wrong: bytes) -> None:
+    def test_that_is_not_a_message_is_left_out_and_named(self, tmp_path: Path, wrong: bytes) -> None:
         path = write(tmp_path / "x.mcap", {"/state": ("", [{"x": 1}, wrong, {"x": 3}])})
         with robowidgets.open(path) as recording:
             assert [one.message.x for one in recording.messages("/state")] == [1.0, 3.0]

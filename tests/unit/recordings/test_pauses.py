@@ -16,7 +16,7 @@ S = 1_000_000_000
     ("times", "usual"),
     [([], 0), ([5], 0), ([5, 5], 0), ([0, 1, 2, 100], 1), ([0, 0, 0, 3, 3, 3, 6], 3)],
 )
-def test_the_usual_step_is_the_median_of_those_that_go_on(times: list[int], usual: int) -> None:
+def test_the_usual_step_is_the_median_of_the_continuing_ones(times: list[int], usual: int) -> None:
     assert usual_step(np.array(times, np.int64)) == usual
 
 

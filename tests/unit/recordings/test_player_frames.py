@@ -118,7 +118,7 @@ def test_frames_tell_with_which_of_them_a_message_came(path: Path, of: str) -> N
     player.close()
 
 
-def test_frames_of_speeds_have_no_peaks_which_would_be_those_of_one_moment(player: Player) -> None:
+def test_frames_of_speeds_have_no_peaks_because_a_peak_is_of_one_moment(player: Player) -> None:
     (view,) = (view for view in player.views if isinstance(view.widget, SpeedWidget))
     readings = [view.widget._unpack(timed.frame) for timed in view.track.frames(0.0, 2.0)]
     assert any(reading.measured for reading in readings)

@@ -71,7 +71,7 @@ class TestAClockThatIsSetBackByThreeSeconds:
     def recording(self, tmp_path: Path, kind: str) -> Recording:
         return robowidgets.open(KINDS[kind](tmp_path, drive(step(3.0))))
 
-    def test_is_told_in_a_line_and_held(self, recording: Recording) -> None:
+    def test_is_reported_in_a_line_and_held(self, recording: Recording) -> None:
         assert recording.problems == (SET_BACK_3,)
         assert recording.duration == pytest.approx(6.9)
         assert recording.start_ns == START_NS
@@ -143,7 +143,7 @@ class TestAClockThatStartsIn1970AndIsSet:
     def recording(self, tmp_path: Path, kind: str) -> Recording:
         return robowidgets.open(KINDS[kind](tmp_path, from_1970()))
 
-    def test_is_told_in_a_line_and_goes_on(self, recording: Recording) -> None:
+    def test_is_reported_in_a_line_and_goes_on(self, recording: Recording) -> None:
         assert recording.problems == (SET,)
         assert recording.duration == pytest.approx(9.8, abs=1e-5)
         for topic in (SCAN, SPEED):
@@ -197,7 +197,7 @@ class TestALeapAhead:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-class TestNothingIsSaidAndNothingTouched:
+class TestNoNoteAndNoChange:
     """Positions at which the clock was not set."""
 
     def check(self, path: Path, times: Sequence[float]) -> None:
@@ -226,13 +226,13 @@ class TestNothingIsSaidAndNothingTouched:
 
 @pytest.mark.parametrize("kind", PARTS_FOLLOW_ON)
 class TestALongSilence:
-    def test_is_no_step_where_a_day_lies_between_any_two_messages(self, tmp_path: Path, kind: str) -> None:
+    def test_is_not_a_step_if_a_day_lies_between_any_two_messages(self, tmp_path: Path, kind: str) -> None:
         recording = robowidgets.open(KINDS[kind](tmp_path, drive([i * 86_400.0 for i in range(100)])))
         assert recording.problems == ()
         assert recording.duration == 99 * 86_400
         assert order(recording) == list(range(100))
 
-    def test_is_no_step_where_it_takes_29_days(self, tmp_path: Path, kind: str) -> None:
+    def test_is_not_a_step_if_it_takes_29_days(self, tmp_path: Path, kind: str) -> None:
         days = LEAP_NS / 1e9 - 86_400
         recording, track = open_scans(KINDS[kind](tmp_path, drive(step(-days))))
         assert recording.problems == ()
@@ -427,7 +427,7 @@ class TestAStepBack:
         ahead = [(time + 1e8 * (i in at), topic) for i, (time, topic) in enumerate(run)]
         self.check_step(tmp_path, ahead[: at[-1] + 1], ahead[at[-1] + 1 :])
 
-    def test_is_not_where_one_topic_bears_times_of_its_own(self, tmp_path: Path) -> None:
+    def test_is_not_a_step_if_one_topic_has_its_own_times(self, tmp_path: Path) -> None:
         run = self.run()
         run[500:500] = [(run[500][0] + 0.5, self.TF), (run[500][0], self.TF)]
         self.check_none(tmp_path, run)
@@ -480,7 +480,7 @@ class TestTimesAtTheirLimits:
         ends = np.array([2**63 - 1, -(2**63), 5], np.int64)
         assert has_clock_step(Arrivals(ends, np.zeros(3, np.int64)))
 
-    def test_are_none_where_there_is_no_message(self) -> None:
+    def test_are_none_if_there_is_no_message(self) -> None:
         assert not has_clock_step(Arrivals(np.empty(0, np.int64), np.empty(0, np.int64)))
 
 

@@ -195,7 +195,7 @@ class TestTheCommand:
         assert main(["repair", str(tmp_path / name)]) == 0
         assert sorted(os.listdir(tmp_path)) == sorted([name, written, "whole"])
 
-    def test_puts_the_file_beside_a_folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_puts_the_file_next_to_a_folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         folder = db3(tmp_path, drive(step(0.0))).parent
         assert main(["repair", str(folder / "metadata.yaml")]) == 0
         (tmp_path / "drive_repaired.mcap").unlink()
@@ -203,7 +203,7 @@ class TestTheCommand:
         assert main(["repair", "."]) == 0
         assert (tmp_path / "drive_repaired.mcap").exists()
 
-    def test_replaces_a_file_only_when_it_is_told_to(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def test_replaces_a_file_only_on_request(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         path, output = bag(tmp_path, drive(step(0.0))), tmp_path / "drive_repaired.mcap"
         output.write_bytes(b"precious")
         self.refuses([str(path)], f"{output}: is there already; replace it with --force", capsys)
@@ -314,7 +314,7 @@ class TestASourceThatCanBeReadNoFurther:
         def close(self) -> None:
             pass
 
-    def test_is_written_as_far_as_it_goes(self, tmp_path: Path) -> None:
+    def test_is_written_up_to_the_damage(self, tmp_path: Path) -> None:
         path = tmp_path / "x.mcap"
         written = write(self.Breaking(RecordingError("the disk could not read it"), after=2), path)
         assert written.messages == 2

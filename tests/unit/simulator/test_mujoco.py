@@ -31,7 +31,7 @@ def model_of(world: World) -> object:
 
 
 @pytest.mark.parametrize("name", ["house", "office", "maze"])
-def test_rays_and_contacts_are_those_of_mujoco(name: str) -> None:
+def test_rays_and_contacts_match_mujoco(name: str) -> None:
     world, rng = room(name), np.random.default_rng(1)
     model = model_of(world)
     data = mujoco.MjData(model)

@@ -130,7 +130,7 @@ def test_an_edit_that_cannot_be_made_changes_nothing_and_says_why(
     assert "an edit of the page was not made" in caplog.text
 
 
-def test_obstacles_are_no_more_than_a_room_holds() -> None:
+def test_the_number_of_obstacles_has_a_limit() -> None:
     robot = Robot(World((), [(1.0 + i, 5.0, 0.1) for i in range(200)]))
     assert "expected at most 200 obstacles" in edit(View(robot), act="put", x=9.0, y=9.0)
 
