@@ -1,4 +1,4 @@
-"""What the simulated robot sends with a camera, as messages of ROS 2 and as a recording."""
+"""The topics of the simulated robot with a camera, as messages of ROS 2 and as a recording."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robowidgets.simulator.offers import Offer, cameras, scans, sonars
 from .unit.recordings import recorded
 
 NEAR = (0.3, -1.6, 0.15)
-"""Where a round obstacle is 0.4 m ahead."""
+"""A pose with a round obstacle 0.4 m ahead."""
 
 
 def robot() -> Robot:
@@ -29,7 +29,7 @@ def types(of: Robot) -> dict[str, str]:
 
 
 def fields(offer: Offer) -> Any:
-    """The newest message of a topic by its fields, with the stamp of its sample."""
+    """The fields of the newest message of a topic, with the stamp of its sample."""
     sample = offer.read()
     if offer.type in (LASER_SCAN, RANGE):
         make = scan_message if offer.type == LASER_SCAN else range_message

@@ -1,4 +1,4 @@
-"""What every test may ask for."""
+"""Fixtures for every test."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-# A shell starts what runs in the background with SIGINT ignored, nohup with SIGHUP, and so would the programs be that
-# tests interrupt and end.
+# A shell starts background processes with SIGINT ignored, nohup with SIGHUP, and the programs that tests
+# interrupt and end would inherit that.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
@@ -24,13 +24,13 @@ if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_I
 
 
 def real_recordings() -> Path:
-    """The folder of real recordings, named by ROBOWIDGETS_DATA or lying in ../shared/data beside the checkout."""
+    """The folder of real recordings, named by ROBOWIDGETS_DATA or in ../shared/data next to the checkout."""
     return Path(os.environ.get("ROBOWIDGETS_DATA") or ROOT.parent / "shared" / "data")
 
 
 @pytest.fixture(scope="session")
 def data() -> Path:
-    """The folder of real recordings; a test that asks for it is skipped where there is none."""
+    """The folder of real recordings; a test that uses it is skipped if the folder is missing."""
     folder = real_recordings()
     if not folder.is_dir():
         pytest.skip(f"no real recordings here: {folder} is missing; ROBOWIDGETS_DATA may name another folder")
@@ -38,14 +38,14 @@ def data() -> Path:
 
 
 def pytest_collection_finish() -> None:
-    """Have the collector of garbage leave alone what stays to the end: thousands of tests, and all modules."""
+    """Exclude from garbage collection what stays to the end: thousands of tests, and all modules."""
     gc.collect()
     gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Generator[None, Any, Any]:
-    """Place a skip for want of real recordings here, not at each test: the summary then has one line for all."""
+    """Report a skip for want of real recordings here, not at each test: the summary then has one line for all."""
     report = yield
     if report.skipped and "data" in getattr(item, "fixturenames", ()) and isinstance(report.longrepr, tuple):
         report.longrepr = (__file__, real_recordings.__code__.co_firstlineno, report.longrepr[2])
@@ -54,7 +54,7 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
 
 @pytest.fixture
 def start() -> Iterator[Callable[..., subprocess.Popen[Any]]]:
-    """`subprocess.Popen`, whose processes end with the test, whatever its outcome, and with them what they started."""
+    """`subprocess.Popen`, whose processes and their children end with the test, whatever its outcome."""
     started: list[subprocess.Popen[Any]] = []
 
     def start(command: list[str], **options: Any) -> subprocess.Popen[Any]:

@@ -1,4 +1,4 @@
-"""A lesson on the threads of a browser, in CPython: prints what came of it. Run in a process of its own."""
+"""A lesson on the threads of a browser, in CPython: prints its result. Run it in a process of its own."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def lesson() -> None:
         pass  # a cell that never waits
     say("gave way", True)
 
-    # An edit takes over, and one that does not return is left and named.
+    # An edit takes over; a version that does not return is left behind and named.
     @feed.program(rate=20)
     def avoid(scan):  # type: ignore[no-untyped-def]
         while True:
@@ -108,4 +108,4 @@ if __name__ == "__main__":
     except BaseException:
         traceback.print_exc()
     sys.stdout.flush()
-    os._exit(0)  # a browser has no end of the process
+    os._exit(0)  # a browser's process does not end

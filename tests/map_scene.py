@@ -1,4 +1,4 @@
-"""A robot with a map, of the sample recording: its scans and odometry are real, the map is made of its scans.
+"""A robot with a map, from the sample recording: its scans and odometry are real, the map is made from its scans.
 
 Transforms, the pose of a localisation with its covariance, a plan and a goal are worked out from its odometry.
 """
@@ -18,7 +18,7 @@ from robowidgets.samples import Pose
 
 RESOLUTION = 0.05
 DRIFT = (0.15, -0.1, 0.02)
-"""Where the frame of odometry is in that of the map, at the end of the drive."""
+"""The pose of the odometry frame in the map frame, at the end of the drive."""
 
 
 def stamp(seconds: float) -> SimpleNamespace:
@@ -57,7 +57,7 @@ def tf(parent: str, child: str, at: tuple[float, float, float], seconds: float) 
 
 
 def tf_of_rosbridge(*joined: tuple[str, str, float | None]) -> dict[str, Any]:
-    """A tf2_msgs/TFMessage as rosbridge sends it, of parents, children and metres between them along x."""
+    """A tf2_msgs/TFMessage as rosbridge sends it, from parents, children and distances in metres along x."""
     turn = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
     return {
         "transforms": [
@@ -89,7 +89,7 @@ def occupancy(grid: MapGrid, frame: str = "map") -> SimpleNamespace:
 
 
 def map_of(path: Any = robowidgets.SAMPLE) -> MapGrid:
-    """What the scans of a recording saw to be free and occupied."""
+    """The cells that the scans of a recording saw free and occupied."""
     with robowidgets.open(path) as recording:
         moments = list(recording.samples("/scan"))[::4]
         end = recording.duration
@@ -161,7 +161,7 @@ def plain(value: Any) -> Any:
 
 
 def messages(until: float = 20.0) -> Iterator[tuple[float, str, dict[str, Any]]]:
-    """What a robot with a map says, in the order of time: seconds, topic and fields."""
+    """The messages of a robot with a map, in the order of time: seconds, topic and fields."""
     random = np.random.default_rng(5)
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         end = recording.duration

@@ -1,4 +1,4 @@
-"""What scanners send in place of distances."""
+"""Values that scanners send instead of distances."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ ODD = {
     "nothing measured": (NAN,),
     "all of it": (MEASURED, 0.0, NAN, INF, -INF, 0.05, 1e3),
 }
-"""What the rays of a scan say in place of what was measured, from the first on, over and over."""
+"""Values that the rays of a scan get instead of their measurements, from the first ray on, repeated."""
 
 MET = ("nothing is met", "too close", "nothing measured", "all of it")
-"""Those of which a distance is infinite, 0 or NaN, and one with all there is: others answer as one of these."""
+"""The kinds with an infinite distance, 0 or NaN, and one with all of them; the others give the same answers."""
 
 
 def odd_ranges(values: tuple[float, ...], ranges: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What threads do on stacks that are put aside: in CPython, by threads that hand on to each other, and in a browser.
+"""Threads on stacks that are put aside: in CPython, by threads that hand over to each other, and in a browser.
 
 Each case is called with the threads that are installed, and a function that calls another one on a stack that cannot be
 put aside, as the page does.
@@ -26,7 +26,7 @@ def case(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def run(names: list[str], threads: Any, call_from_page: Any) -> dict[str, str]:
-    """What went wrong in each case, by its name; nothing in those that hold."""
+    """Return the failures by the name of the case; a case that passes has none."""
     told = {}
     for name in names:
         told[name] = ""
@@ -46,7 +46,7 @@ def began(*functions: Callable[[], object]) -> list[threading.Thread]:
 
 
 class Pushed:
-    """Within it the clock goes on by an hour at each look: every wait is over when the loop is told of it."""
+    """Within it, the clock advances by an hour at each reading: every wait is over when the loop hears of it."""
 
     def __init__(self, threads: Any) -> None:
         self.threads = threads
@@ -129,7 +129,7 @@ def an_rlock_belongs_to_the_stack_that_took_it(threads: Any, call_from_page: Any
     lock, got = threading.RLock(), []
     with lock, lock:
         (thread,) = began(lambda: got.append(lock.acquire(timeout=0.005)))
-        # Another call of the event loop is the same thread as this one, but must not come between.
+        # Another call of the event loop is the same thread as this one, but must not run in between.
         threads._host.loop.call_soon(lambda: got.append(lock.acquire(blocking=False)))
         thread.join()
         assert got == [False, False], got
@@ -281,7 +281,7 @@ def what_the_page_calls_cannot_wait_and_says_so(threads: Any, call_from_page: An
             lock.acquire(timeout=1)
         except RuntimeError as error:
             told.append(str(error))
-        for _ in range(100):  # no error where its slice is over
+        for _ in range(100):  # no error if its slice is over
             threads._slice_end = 0.0
         time.sleep(0.001)
         threading.Thread(target=told.append, args=("began",)).start()
@@ -307,7 +307,7 @@ def a_cell_that_computes_for_long_is_told_once(threads: Any, call_from_page: Any
     assert threads.current.computes_since >= since + 0.05, "a wait begins another count"
 
 
-if __name__ == "__main__":  # in CPython: prints what went wrong
+if __name__ == "__main__":  # in CPython: prints the failures
     import json
     from pathlib import Path
     from types import ModuleType

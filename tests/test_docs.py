@@ -1,4 +1,4 @@
-"""What the documentation tells a reader to type works as it stands there."""
+"""The commands and code that the documentation tells a reader to type work unchanged."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .conftest import ROOT
 FILES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
 PROSE = {"text", "json", "sql", "toml"}
 SHELL = {"bash", "sh"}
-# Commands that no test can type here, each with what stands for it.
+# Commands that no test can run here, each with its replacement.
 ELSEWHERE = {
     "git clone": "the checkout that this test runs in",
     "pip install": "tests/test_wheel.py installs what is built from this checkout",
@@ -75,11 +75,11 @@ for name in sys.argv[1:]:
         print(f"{name}: {error}", flush=True)
     os._exit(0)
 """
-"""Looks at each name where nothing but robowidgets is imported: a name that is looked at may import others."""
+"""Look up each name with nothing but robowidgets imported: a lookup may import other modules."""
 
 
 class Block(NamedTuple):
-    """A fenced block: its language, its text and the line on which the text begins, from 1."""
+    """A fenced block: its language, its text and the line of its first line of text, from 1."""
 
     language: str
     text: str
@@ -122,7 +122,7 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(file: Path, tmp_path: Path
     run = [_CELLS]
     for block in parts:
         shows = int(bool(_SHOWS.search(block.text)))
-        if file.name == "README.md":  # who pastes its first cells looks for all that they make
+        if file.name == "README.md":  # a reader who pastes its first cells needs all files that they use
             shows = max(shows, len(_WIDGET.findall(block.text)))
         run.append(f"run({block.text!r}, {f'{file}:{block.line}'!r}, {shows})")
     script = tmp_path / "page.py"

@@ -1,4 +1,4 @@
-"""The lessons in other languages: complete, as their texts are, and with the same code, answers and checks."""
+"""The lessons in other languages: complete, with current texts, and with the same code, answers and checks."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def cells(language: str, name: str) -> dict[str, Any]:
 
 
 def wordless(line: str) -> tuple[str, list[str]]:
-    """A line of code without its comment and its texts, and the fields of these."""
+    """A line of code without its comment and its texts, and the fields of the texts."""
     line = re.sub(r"  # .*", "", line)
     return re.sub(r'"[^"]*"', "", line), re.findall(r"\{[^}]*\}", line)
 

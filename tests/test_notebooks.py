@@ -1,4 +1,4 @@
-"""Every notebook that the project ships: kept clean, a lesson to read, and running on a machine without ROS."""
+"""Every notebook that the project ships: without outputs, readable as a lesson, and running without ROS."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LONGEST_SECONDS = 600
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """The folder in which the cells run, where lessons keep how far a student is."""
+    """The folder in which the cells run, where lessons save the progress of a student."""
     monkeypatch.chdir(tmp_path)
     yield tmp_path
     _progress.forget()
@@ -136,7 +136,7 @@ def test_the_lesson_on_programs_runs_to_its_end_with_each_task_wrong_as_it_stand
         for robot in robots:
             robot.close()
     assert tasks == 7
-    # A cell that runs by `exec` has no text that Python knows, so that its answers as they stand are tries, too.
+    # Python has no source text of a cell run by `exec`, so unchanged answers count as attempts, too.
     kept = read_progress(folder / _progress.FILE)
     assert [task for task in kept if kept[task].done] == list(_progress.TASKS[5:])
 

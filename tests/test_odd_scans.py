@@ -1,4 +1,4 @@
-"""Examples of distances, in the documentation and in the notebooks, run on whatever a scanner sends."""
+"""Examples of distances in the documentation and the notebooks, run with all values that scanners send."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .test_docs import FILES, blocks
 from .test_notebooks import NOTEBOOKS, read
 
 DRIVES = {"feeds.md", "drive.md", "feeds.ipynb", "drive_widget.ipynb"}
-"""What drives a live robot: a wall that is never seen would end none of its loops."""
+"""Examples that drive a live robot: their loops would never end if they never saw a wall."""
 
 DURATION = 20.0
-"""Seconds of the recording in which scans are odd: examples look at single moments of it, or at all of it."""
+"""Seconds of the recording in which scans are odd: examples read single moments of it, or all of it."""
 
 RUN = """
 import os, sys, time
@@ -56,7 +56,7 @@ for i, odd in enumerate(MET):
 
 
 def sources() -> dict[str, list[str]]:
-    """The Python of each page and notebook that uses distances, each line where it stands in its page."""
+    """The Python of each page and notebook that uses distances, each line at its line number in the page."""
     pages: dict[str, list[tuple[int, str]]] = {}
     for file in FILES:
         pages.setdefault(file.name, []).extend((b.line, b.text) for b in blocks(file) if b.language == "python")
@@ -72,7 +72,7 @@ SOURCES = sources()
 
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the sample as each scanner would have recorded it, by number."""
+    """A folder with the sample as each kind of scanner would have recorded it, by number."""
     folder = tmp_path_factory.mktemp("odd")
     spec = spec_from_file_location("make_sample", ROOT / "scripts" / "make_sample.py")
     assert spec

@@ -30,7 +30,7 @@ CODE = {
 
 
 class Participant:
-    """Somebody simulated, who takes some seconds for each task, and has an opinion."""
+    """A simulated participant, who takes some seconds for each task, and has an opinion."""
 
     def __init__(self, number: int, folder: Path) -> None:
         self.time = 0.0
@@ -64,7 +64,7 @@ class Participant:
 
 @pytest.fixture(autouse=True)
 def quick_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Answers in code are checked once each: the check itself has tests of its own."""
+    """Answers in code are checked once each: the check itself has its own tests."""
     known: dict[tuple[str, str], str] = {}
     check = study.code_wrong
 
@@ -76,7 +76,7 @@ def quick_code(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(study, "code_wrong", once)
 
 
-def test_a_known_effect_of_simulated_participants_is_found_and_none_where_there_is_none(tmp_path: Path) -> None:
+def test_a_known_effect_of_simulated_participants_is_found_and_no_false_one(tmp_path: Path) -> None:
     chance = random.Random(3)
     for name, effect in (("faster", 0.7), ("same", 1.0)):
         (tmp_path / name).mkdir()
@@ -116,7 +116,7 @@ def test_no_answer_of_either_set_is_the_first_index_or_nothing() -> None:
             assert {task.wrong(text) for text in ("-1", "0", "0,0")} == {"Not yet."}
 
 
-def test_a_file_is_continued_after_its_last_step_and_a_damaged_one_is_told(tmp_path: Path) -> None:
+def test_a_file_is_continued_after_its_last_step_and_a_damaged_one_is_reported(tmp_path: Path) -> None:
     seconds, like = {study.WITH: 10.0, study.WITHOUT: 20.0}, {study.WITH: 5, study.WITHOUT: 2}
     first = Participant(7, tmp_path)
     first.take_part(seconds, like, steps=4)
@@ -163,7 +163,7 @@ def test_a_file_twice_and_one_without_some_rows_are_left_out_with_the_reason(tmp
     assert found.measures[0].effect == pytest.approx(0.5)
 
 
-def test_wrong_answers_are_told_counted_and_end_with_the_limit_of_time(tmp_path: Path) -> None:
+def test_wrong_answers_are_reported_counted_and_end_with_the_time_limit(tmp_path: Path) -> None:
     someone = Participant(1, tmp_path)
     someone.study.agree()
     assert someone.study.answer("many") == "Type a number, such as 1.5."
@@ -197,7 +197,7 @@ def test_the_clock_and_the_tries_of_a_task_survive_a_reload(tmp_path: Path) -> N
     assert next_one._since == later.time  # which was not shown yet
 
 
-def test_sliders_that_nobody_moved_and_statements_without_an_answer_are_named_and_do_not_count(tmp_path: Path) -> None:
+def test_untouched_sliders_and_statements_without_an_answer_are_named_and_do_not_count(tmp_path: Path) -> None:
     someone = Participant(1, tmp_path)
     box = someone.study.show()
     someone.study.agree()
@@ -258,7 +258,7 @@ def test_the_interval_covers_the_effect_in_95_of_100_studies(people: int) -> Non
     assert 0.94 < np.mean(covered) < 0.96
 
 
-def test_where_no_difference_varies_there_is_no_interval_and_no_false_certainty() -> None:
+def test_if_no_difference_varies_there_is_no_interval_and_no_false_certainty() -> None:
     assert all(map(math.isnan, compare.interval_of(np.zeros(4))))
     assert all(map(math.isnan, compare.interval_of(np.full(4, 0.1))))
     quantiles = {1: 12.706, 30: 2.042, 31: 2.0395, 60: 2.0003, 1000: 1.9623}  # of published tables

@@ -1,4 +1,4 @@
-"""What a person gets from pip: built from sources outside git, on a machine without Node."""
+"""The package that pip installs: built from sources outside git, on a machine without Node."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ WIDGETS = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("*_wid
 PAGES = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("export_*.ts"))
 """The scripts of pages that play without a kernel."""
 EACH = "run_once.js"
-"""What Jupyter runs for each widget."""
+"""The files that Jupyter runs for each widget."""
 FRONT_END = {EACH} | {f"{name}.{kind}" for name in (*WIDGETS, *PAGES) for kind in ("js", "css")}
 LARGEST_SAMPLE = 1_000_000
 RECORDINGS = (".bag", ".mcap", ".db3")
-# What nothing ever fetches: names of XML namespaces, and the address in the licence of uPlot.
+# Addresses that are never fetched: names of XML namespaces, and the address in the licence of uPlot.
 NAMES = re.compile(r"https?://(www\.w3\.org/|github\.com/leeoniya/uPlot\b)")
 SOURCES = (".ts", ".mjs", "package.json", "package-lock.json", "tsconfig.json", "biome.json")
 
@@ -78,7 +78,7 @@ def test_the_wheel_holds_the_widgets_front_end(package: Path) -> None:
 
 
 def test_a_build_makes_sure_of_the_front_end_of_every_widget() -> None:
-    """Hatch takes names alone: it would build a wheel without the front end of a widget that is not among them."""
+    """Hatch takes names only: it would build a wheel without the front end of a widget that is not listed."""
     ensured = re.search(r"ensured-targets = \[(.*?)\]", (ROOT / "pyproject.toml").read_text(), re.DOTALL)
     assert ensured
     named = re.findall(r'"robowidgets/static/(.+?)"', ensured[1])

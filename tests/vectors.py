@@ -1,7 +1,7 @@
-"""Frames as Python packs them, which the tests of both halves read; `docs/developers/frames.md` describes the layout.
+"""Frames as Python packs them, for the tests of both halves; `docs/developers/frames.md` describes the layout.
 
-`python -m tests.vectors` writes them anew into vectors.json. It writes what sectors hold, the code of sectors, the
-spread of rays, and when a source is silent, too. What stands beside them there is written by hand: scans with their
+`python -m tests.vectors` rewrites them in vectors.json. It also writes the readings in sectors, their code, the
+spread of rays, and the times at which a source is silent. The rest of the file is written by hand: scans with their
 classes, counts and indices, and speeds with their limits.
 """
 
@@ -60,7 +60,7 @@ ARRIVED = 12.5
 
 
 MOUNTS = (None, Mount(1.5707963), Mount(-2.0, upside_down=True, by="hand"), Mount(upside_down=True))
-"""How the scanners of the codes stand on their robot."""
+"""The mounts of the scanners in the code examples."""
 
 
 def read() -> dict[str, Any]:
@@ -70,7 +70,7 @@ def read() -> dict[str, Any]:
 
 
 def make() -> dict[str, Any]:
-    """By name, the bytes of a frame in base64, and what the front end reads in them."""
+    """By name, the bytes of a frame in base64, and the values that the front end reads from them."""
     clock = patch.multiple("time", monotonic=lambda: ARRIVED, monotonic_ns=lambda: round(ARRIVED * 1e9))
     with clock, patch.object(RobotWidget, "rate", 30.0):
         made = {
@@ -122,7 +122,7 @@ SECTORS = (
 
 
 def make_sectors() -> dict[str, list[Any]]:
-    """By the name of a scan: what its sectors hold, and its rays' own sectors."""
+    """By the name of a scan: the readings in its sectors, and its rays' own sectors."""
     return {case["name"]: _in_words(_sectors_of(to_scan(case))) for case in read()["scans"]}
 
 
@@ -155,7 +155,7 @@ def make_codes() -> list[Any]:
 
 
 def make_rays() -> list[Any]:
-    """The rays of two sweeps (angle of the first, step, number), and which of the first point where the second do."""
+    """The rays of two sweeps (angle of the first, step, number), and the first sweep's ray for each of the second."""
     circle, front = Sweep(0.0, 2 * pi / 460, 0.1, 30.0, 460), Sweep(-0.5, 0.1, 0.1, 30.0, 10)
     others = [Sweep(0.0, 2 * pi / count, 0.1, 30.0, count) for count in (455, 230)]
     turned = [Sweep(-pi, pi / 180, 0.1, 30.0, 360), Sweep(1.0, -pi / 180, 0.1, 30.0, 360)]
@@ -179,7 +179,7 @@ BANDS = (
     {"points": (1.0, 5.0), "np": (0.0, 4.0), "self": (1.0, 9.0)},
     {"gr\u00f6\u00dfe": (1.0, 5.0), "a b\\\n\U0001f916": (2.0, 5.0)},
 )
-"""Bounds of points by field, of whom some have names that need care in code."""
+"""Bounds of points by field; some fields have names that need escaping in code."""
 
 
 def make_selections() -> list[Any]:
@@ -216,7 +216,7 @@ def make_silences() -> list[list[Any]]:
 
 
 def make_steps() -> list[list[Any]]:
-    """Times of samples, and their usual step; infinite where there is none."""
+    """Times of samples, and their usual step, or infinity if it is unknown."""
     cases = (
         [],
         [5.0],
@@ -229,7 +229,7 @@ def make_steps() -> list[list[Any]]:
 
 
 def make_beats() -> dict[str, float]:
-    """Rules of which the page needs the numbers only."""
+    """Rules of which the page needs only the numbers."""
     return {"beat": staleness.BEAT, "page": staleness.PAGE_SILENCE, "scan gap": staleness.SCAN_GAP.steps}
 
 
@@ -238,7 +238,7 @@ RANGED = (0.1, 0.0195, 0.0194, 0.09, 0.0, -1.0, 2.5, 5.0, 5.01, nan, inf, -inf)
 
 
 def make_ranges() -> list[list[Any]]:
-    """Ranges of sensors with limits, their class, and the distance that a program goes by."""
+    """Ranges of sensors with limits, their class, and the distance that a program uses."""
     ranges = [Range(one, low, high) for one in RANGED for low, high in ((0.1, 5.0), (0.0, inf), (0.01, 2.5))]
     return _in_words([[r.range, r.min_range, r.max_range, int(r.validity), r.distance] for r in ranges])
 
@@ -249,13 +249,13 @@ ENCODINGS = (
     "bayer_rggb8",
 )
 PIXEL, REGION = (0, 2), (0, 2, 1, 4)
-"""What is looked at in a picture of 2 rows and 4 columns."""
+"""The pixel and the region read from a picture of 2 rows and 4 columns."""
 
 
 def make_images() -> list[Any]:
-    """By encoding a frame, what is said of it, and what the page says of a pixel and of a region without Python.
+    """By encoding: a frame, its description, and the page's texts for a pixel and for a region without Python.
 
-    Values and letters of the pixel are those of the message, or those of the colors as shown; so are the statistics.
+    Values and letters of the pixel, and the statistics, come from the message, or from the colors as shown.
     """
     return [_image(encoding) for encoding in ENCODINGS]
 
@@ -388,7 +388,7 @@ def _sonar() -> tuple[bytes, dict[str, Any]]:
 
 
 def _cloud() -> tuple[bytes, dict[str, Any]]:
-    """Rows of three points, of which every second row and column goes; a field of one byte, and one of two numbers."""
+    """Rows of three points; every second row and column is left out; one field of a byte, and one of two numbers."""
     kind = [("x", ">f4"), ("y", "<f4"), ("z", "<f8"), ("ring", "<u1"), ("rgb", "<f4"), ("pair", "<i2", (2,))]
     points = np.zeros((2, 3), kind)
     points["x"], points["y"], points["z"] = [[3, 0, nan], [1, 1, 1]], 4.0, 0.0
@@ -480,9 +480,9 @@ def _segment() -> tuple[bytes, dict[str, Any]]:
 
 
 def _packed_tracks() -> dict[str, tuple[bytes, dict[str, Any]]]:
-    """Tracks as exported pages hold them, with what the page must make of them: the same bytes as a player gets."""
+    """Tracks as exported pages hold them, with the values that the page must read: the same bytes as a player gets."""
     laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
-    # In steps of a millimetre, with all that is none: special values, a jump, another NaN, minus zero.
+    # In steps of a millimetre, with values that are not numbers: special values, a jump, another NaN, minus zero.
     odd = np.array([0x7FC00001, 0x80000000, 0x3F800001], np.uint32).view(np.float32)
     in_steps = [
         Scan(

@@ -20,14 +20,14 @@ FLAGS = (
 )
 SCREENSHOTS = Path(__file__).resolve().parents[1] / "screenshots"
 PICTURES = "PICTURES" in os.environ
-"""Whether to take the pictures that only a person looks at: there are hundreds, and each takes its time."""
+"""True to take pictures that only people look at: there are hundreds, and each takes time."""
 
 LOOKS = [("light", 1), ("dark", 2)] if PICTURES else [("dark", 2)]
-"""Theme and scale, for tests whose claims hold in any and whose pictures a person looks at in both."""
+"""Theme and scale, for tests that hold in any theme. People look at their pictures in both."""
 
 
 def launch(playwright: Playwright) -> Browser:
-    """Start the system's Chromium, which `make test-browser` sees to; a machine without one fails the tests."""
+    """Start the system's Chromium, which `make test-browser` installs; without it, the tests fail."""
     found = [path for name in NAMES if (path := shutil.which(name))]
     if not found:
         raise RuntimeError(f"no Chromium on PATH (looked for {', '.join(NAMES)}): run scripts/chromium.sh")
@@ -43,6 +43,6 @@ def photograph(shown: Locator, name: str) -> Path:
 
 
 def shoot(shown: Locator, name: str) -> None:
-    """Photograph an element for a person to look at, if pictures are asked for."""
+    """Photograph an element for the people who judge pictures, if pictures are asked for."""
     if PICTURES:
         photograph(shown, name)

@@ -49,13 +49,13 @@ FAILED = pytest.StashKey[bool]()
 
 Host = Literal["lab", "plain"]
 Screen = tuple[Host, int, bool]
-"""What is loaded in a page, its device pixels per CSS pixel, and whether it has touch."""
+"""The kind of a page: the host it has loaded, its device pixels per CSS pixel, and whether it has touch."""
 
 UNHURRIED = """
 import robowidgets.behaviors.program as program_of_a_test
 program_of_a_test.STEP = program_of_a_test.STEP._replace(late=60.0)
 """
-"""Has the steps of programs take their time: a machine may have much else to do. What is late is tested by a clock."""
+"""Give the steps of programs more time, because the machine may be busy. Lateness is tested with a clock."""
 
 SLOW_PAGE = """(() => {
     const [frame, forget] = [requestAnimationFrame, cancelAnimationFrame];
@@ -90,23 +90,23 @@ SLOW_PAGE = """(() => {
         waiting.delete(id);
     };
 })()"""
-"""Animation frames are late, and each seems to take long: each draws one card, while the others wait."""
+"""Delay animation frames as if each took long: each draws one card while the others wait."""
 
 HELD_KEYS = ("ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight", "w", "a", "s", "d", "Shift")
 """Keys that a test may leave pressed."""
 
 SLOW_PAGE_MS = os.environ.get("SLOW_PAGE_MS", "")
-"""Milliseconds that animation frames are late, or empty; a test that reads the page before it is drawn then fails."""
+"""Delay of animation frames in milliseconds, or empty. A test that reads the page before it is drawn then fails."""
 
 PATIENCE_MS = 60_000
-"""A test fails by what it waits for when that never comes, not when a machine with much else to do is slow."""
+"""Wait long: a test fails if what it waits for never comes, not because the machine is busy."""
 
 expect.set_options(timeout=PATIENCE_MS)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Have all tests in JupyterLab run in one process: they share its server, and a page that has loaded it."""
+    """Run all tests in JupyterLab in one process: they share its server and a page that has loaded it."""
     for item in items:
         if "lab" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.xdist_group("lab"))
@@ -121,7 +121,7 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
 
 @pytest.fixture(scope="session", autouse=True)
 def unhurried_steps() -> None:
-    """What the cells of plain pages do is done in this process."""
+    """Apply `UNHURRIED` in this process, where the cells of plain pages run."""
     exec(UNHURRIED)
 
 
@@ -147,7 +147,7 @@ def browser(playwright: Playwright) -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def contexts(browser: Browser) -> Iterator[Callable[[int, bool], BrowserContext]]:
-    """One browser profile per kind of screen: the pages of a run share its cache, as a person's do."""
+    """Yield one browser profile per kind of screen: the pages of a run share its cache, as the pages of a user do."""
     kept: dict[tuple[int, bool], BrowserContext] = {}
 
     def context(scale: int, touch: bool) -> BrowserContext:
@@ -167,7 +167,7 @@ def contexts(browser: Browser) -> Iterator[Callable[[int, bool], BrowserContext]
 
 @pytest.fixture(scope="session")
 def spare_pages() -> dict[Screen, list[tuple[Page, Console]]]:
-    """Pages that no test uses. A new one takes most of a test's time: for a process, and for loading JupyterLab."""
+    """Spare pages. Opening a new one takes most of a test's time: it starts a process and loads JupyterLab."""
     return {}
 
 
@@ -175,7 +175,7 @@ def spare_pages() -> dict[Screen, list[tuple[Page, Console]]]:
 def pages(
     request: pytest.FixtureRequest, spare_pages: dict[Screen, list[tuple[Page, Console]]]
 ) -> Iterator[list[tuple[Page, Console]]]:
-    """The pages of a test: judged by their consoles, kept as pictures if it failed, and closed but for spare ones."""
+    """The pages of a test. At its end: check consoles, save pictures of a failure, close most pages."""
     opened: list[tuple[Page, Console]] = []
     yield opened
     spare = {page for kept in spare_pages.values() for page, _ in kept}
@@ -199,7 +199,7 @@ def take_page(
     pages: list[tuple[Page, Console]],
     spare_pages: dict[Screen, list[tuple[Page, Console]]],
 ) -> Iterator[Callable[..., tuple[Page, Console]]]:
-    """A function that gives a page for a host, a scale, touch or none, and a size: a spare one, or a new one."""
+    """Return a function that gives a page for a host, a scale, touch or none, and a size: a spare one, or a new one."""
     taken: list[tuple[Screen, Page, Console]] = []
 
     def take(host: Host, scale: int, touch: bool, width: int, height: int) -> tuple[Page, Console]:
@@ -212,7 +212,7 @@ def take_page(
             console = Console(page)
         pages.append((page, console))
         taken.append((screen, page, console))
-        # On a page behind another, each turn of the wheel takes Chromium seconds.
+        # Chromium takes seconds for each turn of the wheel on a page behind another.
         page.bring_to_front()
         page.set_viewport_size({"width": width, "height": height})
         return page, console
@@ -224,7 +224,7 @@ def take_page(
             continue
         if screen[0] == "plain":
             page.goto("about:blank")
-        # A test may have taken a page away from JupyterLab, or left a player playing.
+        # A test may have navigated a page away from JupyterLab, or left a player playing.
         elif not page.evaluate("window.driver?.closeAll()"):
             continue
         page.mouse.up()
@@ -237,7 +237,7 @@ def take_page(
 
 @pytest.fixture
 def own_sessions(lab: LabServer) -> Iterator[None]:
-    """The kernels that a test starts end with it."""
+    """End the kernels of a test with it."""
     yield
     lab.end_sessions()
 

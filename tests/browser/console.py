@@ -1,4 +1,4 @@
-"""What a page said to its console, and whom it asked."""
+"""The console messages and the web requests of a page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ OURS = ("blob:", "anywidget", "robowidgets")
 
 
 class Console:
-    """The lines of a page's console, and among them the errors: what widgets threw, complained of or fetched.
+    """The lines of a page's console, and its errors: what widgets threw, complained of or fetched.
 
     Args:
         page: the page, before it goes anywhere.
@@ -27,18 +27,18 @@ class Console:
         page.on("request", self._on_request)
 
     def forget(self) -> None:
-        """Start anew, for another test."""
+        """Start again, for another test."""
         self.lines.clear()
         self.errors.clear()
 
     def _on_message(self, message: ConsoleMessage) -> None:
         line = f"{message.type}: {message.text} ({message.location['url']})"
-        # Of JupyterLab: files that are not there; on a busy machine its plugins, anywidget too, that start slowly.
+        # JupyterLab: missing files; on a busy machine, plugins that start slowly, anywidget among them.
         is_labs = message.text.startswith(("Failed to load resource", "Plugin "))
         self._note(line, bad=message.type in ("error", "warning", "assert") and not is_labs)
 
     def _on_error(self, error: Error) -> None:
-        # Of anywidget, on a busy page: run_once.ts has the widget hear nevertheless, which test_laser_state tries.
+        # anywidget on a busy page: run_once.ts lets the widget receive its messages; test_laser_state checks it.
         is_late = error.message.startswith("[anywidget] Failed to initialize model")
         self._note(f"uncaught: {error.message}\n{error.stack or ''}", bad=not is_late)
 

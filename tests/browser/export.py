@@ -1,4 +1,4 @@
-"""Exported notebooks: what they fetch from the web is served from this machine, and nothing else is."""
+"""Exported notebooks: this machine serves what they fetch from the web, and nothing else."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PIN = re.compile(r'\sintegrity="[^"]*"')
 
 
 def serve(page: Page, file: Path) -> None:
-    """Open an exported page from disk, as a person does who was sent it, on a machine without a network."""
+    """Open an exported page from disk, as a recipient does on a machine without a network."""
     copy = file.with_suffix(".local.html")
     copy.write_text(PIN.sub("", file.read_text(encoding="utf-8")), encoding="utf-8")
     page.route(re.compile("^https?:"), _answer)

@@ -15,7 +15,7 @@ from typing import Any
 
 NAMES = ("firefox-esr", "firefox")
 SECONDS = 240
-"""For which it may stay silent: a page may begin with JupyterLite, on a machine with much else to do."""
+"""Seconds that it may stay silent: a page may start JupyterLite on a busy machine."""
 _PREFERENCES: dict[str, Any] = {
     # Without a network: all but what this machine serves goes to a proxy that is not there.
     "network.proxy.type": 1,
@@ -29,7 +29,7 @@ _PREFERENCES: dict[str, Any] = {
 
 
 def found() -> str | None:
-    """The path of Firefox; None on a machine without it."""
+    """Return the path of Firefox, or None on a machine without it."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
@@ -43,7 +43,7 @@ class Firefox:
         self._ask("WebDriver:NewSession")
 
     def open(self, address: Path | str) -> None:
-        """Go to a file or to what this machine serves, and wait until it is loaded."""
+        """Go to a file or to a page that this machine serves, and wait until it is loaded."""
         self._ask("WebDriver:Navigate", url=address.as_uri() if isinstance(address, Path) else address)
 
     def click(self, selector: str) -> None:
@@ -52,7 +52,7 @@ class Firefox:
         self._ask("WebDriver:ElementClick", id=next(iter(found.values())))
 
     def run(self, script: str) -> Any:
-        """What a script returns, run in the page."""
+        """Run a script in the page and return its result."""
         return self._ask("WebDriver:ExecuteScript", script=script, args=[])["value"]
 
     def wait(self, script: str) -> Any:
@@ -94,7 +94,7 @@ class Firefox:
 
 @contextmanager
 def running(folder: Path, preferences: Mapping[str, Any] | None = None) -> Iterator[Firefox]:
-    """A Firefox with a new profile in a folder, and with preferences as about:config has them."""
+    """Start a Firefox with a new profile in a folder, and with preferences as about:config lists them."""
     path = found()
     assert path
     with socket.socket() as free:

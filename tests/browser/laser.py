@@ -63,7 +63,7 @@ _LISTEN = """() => {
 
 
 def eventually(look: Callable[[], Any], expected: Any) -> None:
-    """Look again and again until what is seen is what is expected."""
+    """Look again until the expected value is seen."""
     deadline = time.monotonic() + SECONDS
     while (seen := look()) != expected and time.monotonic() < deadline:
         time.sleep(0.01)
@@ -71,23 +71,23 @@ def eventually(look: Callable[[], Any], expected: Any) -> None:
 
 
 def layers(card: Locator) -> list[str]:
-    """The pixels of both canvases, to be compared."""
+    """Return the pixels of both canvases, to compare them."""
     urls: list[str] = card.evaluate(_READ)["urls"]
     return urls
 
 
 def listen(page: Page) -> None:
-    """From now on, keep the words that canvases of a page show, for `words`."""
+    """From now on, keep the texts that canvases of a page draw, for `words`."""
     page.evaluate(_LISTEN)
 
 
 def words(card: Locator) -> set[str]:
-    """The words that stand in the picture now, since `listen`."""
+    """Return the texts in the picture now, since `listen`."""
     return set(card.evaluate("(card) => [...card.querySelectorAll('.rw-layer')].flatMap((layer) => layer.words)"))
 
 
 def placed_words(card: Locator) -> list[tuple[str, float, float]]:
-    """The words that stand in the picture now, since `listen`, each with the place at which it is aligned."""
+    """Return the texts in the picture now, since `listen`, each with the position that it is aligned to."""
     return card.evaluate("(card) => [...card.querySelectorAll('.rw-layer')].flatMap((layer) => layer.places)")  # type: ignore[no-any-return]
 
 
@@ -105,7 +105,7 @@ class Picture:
         self.paper = tuple(np.asarray(paper)[0, 0, :3].tolist())
 
     def colour(self, x: float, y: float) -> tuple[int, ...]:
-        """What a person sees there."""
+        """The colour at a position."""
         return tuple(self._seen[int(y * self.ratio), int(x * self.ratio)].tolist())
 
     def around(self, x: float, y: float) -> set[tuple[int, ...]]:
@@ -114,11 +114,11 @@ class Picture:
         return {tuple(c) for c in self._seen[row - 1 : row + 2, column - 1 : column + 2].reshape(-1, 3).tolist()}
 
     def count(self, colour: tuple[int, ...]) -> int:
-        """How many pixels have a colour."""
+        """Count the pixels of a colour."""
         return int((self._seen == colour).all(axis=-1).sum())
 
     def circle(self, metres: float) -> Place:
-        """Where a scanner stands that reads the same all round, forward up: in the middle of its dots."""
+        """Return the position of a scanner with equal readings all round, forward up: the middle of its dots."""
         rows, columns = np.nonzero(np.abs(self._seen - LIGHT["reading"]).max(axis=-1) <= 12)
         (left, right), (top, bottom) = ((axis.min(), axis.max() + 1) for axis in (columns, rows))
         x, y = (left + right) / 2 / self.ratio, (top + bottom) / 2 / self.ratio
@@ -145,7 +145,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Place:
-    """Where the scanner stands in a picture, and how metres and degrees become CSS pixels."""
+    """The position of the scanner in a picture, and the CSS pixels per metre and degree."""
 
     x: float
     y: float
@@ -163,7 +163,7 @@ def locate(
     forward: str = "up",
     colour: tuple[int, ...] = LIGHT["reading"],
 ) -> Place:
-    """Where a known scan stands: the outermost dots tell, and every other must be where that puts it.
+    """Locate a known scan: the outermost dots give the position, and every other dot must match it.
 
     Args:
         rays: metres and degrees of every reading; there are no others.
@@ -179,14 +179,14 @@ def locate(
         place = _fit(dots, rays, turn)
         return ", ".join(f"no dot at {ray}" for ray in rays if _distance(place.at(*ray), dots) >= 0.75)
 
-    # Again and again, not once: a cell may end before the page has painted what it sent.
+    # Try repeatedly: a cell may end before the page has painted what it sent.
     eventually(look, "")
     assert place is not None
     return place
 
 
 def _fit(dots: Sequence[tuple[float, float]], rays: Sequence[tuple[float, float]], turn: float) -> Place:
-    """Where the outermost dots put a scan, along the axis on which its rays lie farther apart."""
+    """Locate a scan by its outermost dots, along the axis on which its rays lie farther apart."""
     metric = [Place(0, 0, 1, turn).at(*ray) for ray in rays]
     axis = int(np.argmax(np.ptp(metric, axis=0)))
     low, high = min(metric, key=lambda point: point[axis]), max(metric, key=lambda point: point[axis])

@@ -1,4 +1,4 @@
-"""A moving picture of what a person does in a page: drawn with a pointer, which screenshots lack."""
+"""Animated pictures of a user's actions in a page. They draw the pointer, which screenshots lack."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STEPS = 5
 """Frames for a way of the pointer."""
 MOVE_MS = 80
 LIVE_MS = 120
-"""Milliseconds from frame to frame of a page that goes on by itself, at least."""
+"""The shortest time from frame to frame of a page that goes on by itself, in milliseconds."""
 
 
 class MovingPicture:
@@ -47,7 +47,7 @@ class MovingPicture:
         page.mouse.move(*self._at)
 
     def take(self, ms: int) -> None:
-        """Add what is seen now, for some milliseconds."""
+        """Add the picture of this moment, shown for some milliseconds."""
         shot = self._page.screenshot(clip=self._clip)
         self._frames.append(Image.open(io.BytesIO(shot)).convert("RGB"))
         self._durations.append(ms)
@@ -73,7 +73,7 @@ class MovingPicture:
             self.take_live()
 
     def take_live(self) -> None:
-        """Add what is seen now, for the time that this takes."""
+        """Add the picture of this moment, shown for the time that this call takes."""
         start = time.monotonic()
         self.take(0)
         time.sleep(max(0.0, start + LIVE_MS / 1000 - time.monotonic()))

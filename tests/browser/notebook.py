@@ -1,4 +1,4 @@
-"""A notebook open in JupyterLab, and what a person does with it."""
+"""A notebook open in JupyterLab, and the actions of its user."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Notebook:
     # Cells
 
     def run(self, index: int) -> str:
-        """Run a cell to its end; its text output.
+        """Run a cell to its end and return its text output.
 
         Raises:
             CellError: it raised.
@@ -74,7 +74,7 @@ class Notebook:
         self._until("started", self.path, index)
 
     def wait(self, index: int) -> str:
-        """Wait until a started cell has ended; its text output. Raises as `run` does."""
+        """Wait until a started cell has ended, and return its text output. Raises as `run` does."""
         self._until("ended", self.path, index)
         for output in self.outputs(index):
             if output["output_type"] == "error":
@@ -88,11 +88,11 @@ class Notebook:
                 self.run(index)
 
     def run_all_at_once(self) -> None:
-        """Run all cells as the menu does, which brings only the last one into view. No error is raised."""
+        """Run all cells as the menu does, which brings only the last one into view. Raises no error."""
         self._ask("runAll")
 
     def append(self, source: str) -> int:
-        """Add a code cell at the end, without running it; its index."""
+        """Add a code cell at the end, without running it, and return its index."""
         return int(self._ask("append", self.path, source))
 
     def edit(self, index: int, source: str) -> None:
@@ -105,14 +105,14 @@ class Notebook:
         return outputs
 
     def text(self, index: int) -> str:
-        """What a cell printed, and the plain text of what it displayed."""
+        """Return the printed text of a cell, and the plain text of its displayed results."""
         parts = []
         for output in self.outputs(index):
             text = output.get("text", "") or output.get("data", {}).get("text/plain", "")
             parts.append(text if isinstance(text, str) else "".join(text))
         return "".join(parts)
 
-    # What is on show
+    # Elements on show
 
     def output(self, index: int) -> Locator:
         """The output area of a cell."""
@@ -137,7 +137,7 @@ class Notebook:
         self._ask("setWindowing", self.path, mode)
 
     def drawn(self) -> None:
-        """Wait until all that was asked for is drawn."""
+        """Wait until everything requested is drawn."""
         wait_for_drawing(self.page)
 
     def theme(self, name: Literal["light", "dark"]) -> None:
@@ -161,7 +161,7 @@ class Notebook:
     # The kernel
 
     def python(self, code: str) -> str:
-        """Run code in the kernel, past the cells; what it prints, or the text of its result.
+        """Run code in the kernel, outside of the cells, and return its printed text, or the text of its result.
 
         Raises:
             CellError: it raised.
@@ -181,17 +181,17 @@ class Notebook:
         self._until("ready", self.path)
 
     def reconnect(self) -> None:
-        """Connect to the kernel anew, as after a lost connection, and wait until its widgets are as it has them."""
+        """Reconnect to the kernel, as after a lost connection, and wait until the widgets match its state."""
         self._ask("reconnect", self.path)
 
     def reload(self) -> None:
-        """Save the notebook and load the page anew; the kernel lives on."""
+        """Save the notebook and reload the page; the kernel lives on."""
         self.save()
         self.page.reload(wait_until="commit")
         self._until("ready", self.path)
 
     def save(self) -> Path:
-        """Save the notebook; the file, in which JupyterLab keeps the outputs and the widgets' state."""
+        """Save the notebook and return its file, in which JupyterLab keeps the outputs and the widgets' state."""
         self._ask("save", self.path)
         return self.lab.files / self.path
 
@@ -203,12 +203,12 @@ class Notebook:
             "([name, ...rest]) => window.driver[name](...rest)",
             arg=[name, *arguments],
             timeout=CELL_SECONDS * 1000,
-            polling=polling,  # not at each frame, which would have JupyterLab draw while nothing changes
+            polling=polling,  # not at each frame, which would make JupyterLab draw while nothing changes
         )
 
 
 def wait_for_drawing(page: Page) -> None:
-    """Wait until all that was asked for is drawn; a card may have to wait for others for several frames.
+    """Wait until everything requested is drawn; a card may have to wait for others for several frames.
 
     A page in a file has no driver: there two frames have to do.
     """

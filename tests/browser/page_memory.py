@@ -1,4 +1,4 @@
-"""What a page keeps once garbage is collected."""
+"""The memory of a page after garbage collection."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Kept:
 
 
 class PageMemory:
-    """Counts what a page keeps, by Chromium's own tools."""
+    """Counts the objects of a page with Chromium's own tools."""
 
     def __init__(self, page: Page) -> None:
         self._tools = page.context.new_cdp_session(page)
@@ -31,7 +31,7 @@ class PageMemory:
 
     def kept(self) -> Kept:
         """Collect garbage, and count the rest."""
-        for _ in range(3):  # what finalizers let go of is garbage of the next collection
+        for _ in range(3):  # what finalizers release is garbage of the next collection
             self._tools.send("HeapProfiler.collectGarbage")
         counts = {entry["name"]: int(entry["value"]) for entry in self._tools.send("Performance.getMetrics")["metrics"]}
         prototype = self._tools.send(

@@ -1,4 +1,4 @@
-"""Widgets on a page without Jupyter: Python's own widget, its own front end, and only the way between them of ours.
+"""Widgets on a page without Jupyter: the real widget in Python, its real front end, and a connection of our own.
 
 What needs no kernel is tested here in a tenth of the time that JupyterLab takes. Cells run in this process. As with a
 kernel, what a page sends is handled in its order, by a thread of its own, but while a cell runs: see `busy`.
@@ -38,11 +38,11 @@ from .notebook import CellError, wait_for_drawing
 
 FOLDER = Path(__file__).parent
 MARGIN = 40
-"""Pixels beside the widgets."""
+"""Margin around the widgets, in pixels."""
 
 
 class PageServer:
-    """Serves the empty page on 127.0.0.1, and a socket for each page that is open."""
+    """Serves the empty page on 127.0.0.1, and a socket for each open page."""
 
     def __init__(self) -> None:
         self.pages: dict[str, PlainPage] = {}
@@ -115,7 +115,7 @@ class PlainPage:
         self._create_comm = comm.create_comm
 
     def open(self) -> None:
-        """Go to the page, and have every new widget stand in it."""
+        """Go to the page, and place every new widget in it."""
         self._server.pages[self._name] = self
         self._thread.start()
         comm.create_comm = type("Comm", (_Comm,), {"page": self})
@@ -136,7 +136,7 @@ class PlainPage:
     # Cells
 
     def run(self, index: int) -> str:
-        """Run a cell, and put on show what it displays; its text.
+        """Run a cell, show its results, and return its text.
 
         Raises:
             CellError: it raised.
@@ -157,12 +157,12 @@ class PlainPage:
             self.run(index)
 
     def append(self, source: str) -> int:
-        """Add a cell at the end, without running it; its index."""
+        """Add a cell at the end, without running it, and return its index."""
         self._cells.append(source)
         return len(self._cells) - 1
 
     def text(self, index: int) -> str:
-        """What a cell printed, and the text of its result."""
+        """Return the printed text of a cell, and the text of its result."""
         return self._texts[index]
 
     def python(self, code: str) -> str:
@@ -179,7 +179,7 @@ class PlainPage:
 
     @contextlib.contextmanager
     def busy(self, code: str = "pass") -> Iterator[None]:
-        """While an endless cell runs, which repeats this code: what the page sends waits for its end.
+        """Run an endless cell within a block; it repeats this code, and messages of the page wait for its end.
 
         Raises:
             Exception: the code raised it.
@@ -204,7 +204,7 @@ class PlainPage:
                 ended.set()
             running.result()
 
-    # What is on show
+    # Elements on show
 
     def output(self, index: int) -> Locator:
         """The output of a cell."""
@@ -217,21 +217,21 @@ class PlainPage:
         return found
 
     def drawn(self) -> None:
-        """Wait until all that was asked for is drawn."""
+        """Wait until everything requested is drawn."""
         wait_for_drawing(self.page)
 
     def theme(self, name: Literal["light", "dark"]) -> None:
-        """Switch between light and dark, as JupyterLab says it to widgets."""
+        """Switch between light and dark, with the message that JupyterLab sends to widgets."""
         self.page.evaluate("(light) => { document.body.dataset.jpThemeLight = light; }", str(name == "light").lower())
 
     def resize(self, width: int, height: int = 900) -> None:
         """Size the window such that what a cell displays has `width` CSS pixels."""
         self.page.set_viewport_size({"width": width + MARGIN, "height": height})
-        # The page of a busy browser is told of its size later. Then the widgets draw for it.
+        # A busy browser reports its size to the page later. The widgets then draw for it.
         self.page.wait_for_function("(width) => innerWidth === width", arg=width + MARGIN)
         self.drawn()
 
-    # The way between
+    # The connection
 
     def _settle(self) -> None:
         assert not self._is_busy, "the cell that runs would have to end first"

@@ -1,4 +1,4 @@
-"""A real JupyterLab of our own, which neither reads nor changes the settings of the person who runs the tests."""
+"""A real JupyterLab with its own settings: it neither reads nor changes the settings of the user who runs the tests."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from urllib.error import URLError
 from urllib.request import Request, urlopen
 
-# Nothing pops up, and the theme is ours to set.
+# Nothing pops up, and the tests set the theme.
 SETTINGS = {
     "@jupyterlab/apputils-extension:notification": {
         "checkForUpdates": False,
@@ -43,14 +43,14 @@ class LabServer:
         overrides.parent.mkdir(parents=True)
         overrides.write_text(json.dumps(SETTINGS))
         command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", "--expose-app-in-browser"]
-        # Port 0 is any free one: the first free one would be found by two servers that start at once.
+        # Port 0 is any free one: two servers that start at once would find the same first free port.
         command += ["--ip=127.0.0.1", "--port=0", f"--ServerApp.root_dir={self.files}"]
         with self.log.open("w") as log:
             self._process = subprocess.Popen(
                 command, cwd=home, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT
             )
         try:
-            # The server tells its port there.
+            # The server writes its port here.
             said = home / "jupyter_runtime_dir" / f"jpserver-{self._process.pid}.json"
             self._wait(lambda: said.exists() and said.read_text().endswith("}"), "wrote down its port")
             facts = json.loads(said.read_text())
@@ -61,7 +61,7 @@ class LabServer:
             raise
 
     def request(self, path: str, method: str = "GET") -> Any:
-        """The JSON that the server's interface answers, None where it answers nothing."""
+        """Return the JSON of the server's interface, or None if it does not answer."""
         request = Request(f"{self.url}/{path}", method=method, headers={"Authorization": f"token {self.token}"})
         with urlopen(request, timeout=240) as answer:
             body = answer.read()

@@ -1,4 +1,4 @@
-"""The view of a robot beside the notebook, where one sees it while one writes."""
+"""The view of a robot next to the notebook, visible while the user writes code."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ AGREES = """() => {
     return Math.abs(view.width - wide) < 1 && pane.scrollWidth <= pane.clientWidth && left >= notebook.right
         && width > 300 && Math.abs(height - notebook.height) < 40;
 }"""
-"""Whether the pane is right of the notebook, and its view as wide as the pane."""
+"""Return True if the pane is right of the notebook, and its view is as wide as the pane."""
 SHOWN = "Show this view beside the notebook"
 
 
 @pytest.fixture
 def beside(notebook: Callable[..., Notebook]) -> Callable[..., Notebook]:
-    """A notebook with a robot and this cell, all run, in JupyterLab as it starts: not in simple mode."""
+    """A notebook with a robot and this cell, all run, in JupyterLab's default mode, which is not simple mode."""
 
     def run(cell: str, **more: object) -> Notebook:
         nb = notebook([ROBOT, cell], run=False, **more)
@@ -61,7 +61,7 @@ def test_in_simple_mode_it_says_how_to_show_two_documents(notebook: Callable[...
 
 
 @pytest.mark.parametrize(("theme", "scale"), [("light", 1), ("dark", 2)] if PICTURES else [("dark", 1)])
-def test_a_view_beside_the_notebook_is_as_wide_as_its_pane_and_the_cell_has_stop(
+def test_a_view_next_to_the_notebook_is_as_wide_as_its_pane_and_the_cell_has_stop(
     beside: Callable[..., Notebook], theme: str, scale: int
 ) -> None:
     nb = beside(BESIDE, width=1280, height=720, theme=theme, scale=scale)
@@ -74,7 +74,7 @@ def test_a_view_beside_the_notebook_is_as_wide_as_its_pane_and_the_cell_has_stop
     for width, height in ((1280, 720), (1000, 720), (2600, 1000)):
         nb.page.set_viewport_size({"width": width, "height": height})
         nb.page.wait_for_function(AGREES)
-    # Where it has two columns it has the height of the pane, too.
+    # With two columns it has the height of the pane, too.
     nb.page.wait_for_function("""() => {
         const pane = document.querySelector(".rw-beside-pane");
         const { height } = pane.querySelector(".rw-feed").getBoundingClientRect();
@@ -122,7 +122,7 @@ def test_there_is_one_pane_when_the_cell_is_run_again_closed_reloaded_or_its_ker
     expect(pane).to_have_count(0)
 
 
-def test_a_button_puts_the_view_of_a_cell_beside_the_notebook_too(beside: Callable[..., Notebook]) -> None:
+def test_a_button_moves_the_view_of_a_cell_next_to_the_notebook_too(beside: Callable[..., Notebook]) -> None:
     nb = beside(SHOW, width=1600, height=900)
     pane, output = nb.page.locator(".rw-beside-pane"), nb.output(1)
     shoot(output, "beside-button")
@@ -140,7 +140,7 @@ def test_a_button_puts_the_view_of_a_cell_beside_the_notebook_too(beside: Callab
     expect(pane).to_have_count(0)
 
 
-def test_where_there_is_no_such_place_the_bar_says_what_to_do(plain_page: Callable[..., PlainPage]) -> None:
+def test_on_a_page_without_such_a_place_the_bar_shows_what_to_do(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page(
         ["from robowidgets import feeds\nrobot = feeds.simulator()\nview = robot.show(beside=True)\nview._bar"]
     )

@@ -96,7 +96,7 @@ def test_a_robot_is_moved_and_its_widgets_freeze_and_step_to_one_moment_while_a_
         scan, speed = (float(one) for one in nb.python(ARRIVED).split())
         return scan - 0.3 < speed <= scan
 
-    # The page tells Python what each widget holds at its own pace.
+    # The page sends what each widget holds to Python at its own pace.
     eventually(is_one_moment, True)
     freeze.click()
     for button in buttons.all():

@@ -1,4 +1,4 @@
-"""The command, as a person uses it: type it, open the address it prints, see the robot, and move through time."""
+"""The command as users run it: type it, open the address it prints, see the robot, and move through time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .console import Console
 from .server import FOREIGN, OWN_FOLDERS
 
 SAMPLE = ROOT / "robowidgets" / "data" / "sample.mcap"
-# What the canvases of an element hold, as one text.
+# The texts on the canvases of an element, as one text.
 PICTURE = "card => [...card.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/lab/tree/\S+\?token=\w+")
 
@@ -34,7 +34,7 @@ def saves_tabs(request: Request) -> bool:
 
 @pytest.fixture
 def robowidgets(tmp_path: Path) -> Iterator[Callable[..., str]]:
-    """Types a command that opens JupyterLab; the address it prints."""
+    """Run a command that opens JupyterLab, and return the address it prints."""
     started: list[subprocess.Popen[str]] = []
     environment = {name: value for name, value in os.environ.items() if name not in FOREIGN}
     environment |= {name: str(tmp_path / name.lower()) for name in OWN_FOLDERS}

@@ -21,13 +21,13 @@ from .chromium import shoot
 from .console import Console
 
 pytest.importorskip("zensical", reason="the generator of the site is not installed: pip install --group site")
-pytestmark = pytest.mark.xdist_group("docs")  # the site is built once for all
+pytestmark = pytest.mark.xdist_group("docs")  # the site is built once for all tests
 
 RUN = ("laser", "laser_layers", "camera", "cloud")
 """The pages whose blocks are run."""
 
 FIRST_VIEW = 1_000_000
-"""Bytes, as a web server sends them that compresses."""
+"""Bytes, compressed as web servers send them."""
 
 
 class _Quiet(SimpleHTTPRequestHandler):
@@ -67,7 +67,7 @@ def site(folder: Path) -> Iterator[str]:
 
 
 class _Page(HTMLParser):
-    """Where a page leads, and the names that lead into it."""
+    """The links of a page, and the anchors in it."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -83,7 +83,7 @@ class _Page(HTMLParser):
 
 
 def test_every_link_of_the_site_leads_somewhere(folder: Path) -> None:
-    # That of a host for what it does not find has the addresses of a host's root.
+    # The page for missing addresses uses addresses from the root of the host.
     pages = {file: _Page(file.read_text("utf-8")) for file in folder.rglob("*.html") if file.name != "404.html"}
     assert len(pages) > 40
     lost = []
@@ -99,7 +99,7 @@ def test_every_link_of_the_site_leads_somewhere(folder: Path) -> None:
                 good = there.exists()
             elif "/pages/" in str(target):  # an exported page, whose scripts make its content
                 good = target.exists()
-            else:  # of a picture, what follows the # is the scheme that it is for
+            else:  # after the address of a picture, the fragment names the color scheme that it is for
                 section, names = unquote(parts.fragment), pages[target].names if target in pages else None
                 good = target.exists() and (not section or names is None or section in names)
             if not good:
@@ -126,7 +126,7 @@ def test_a_page_of_the_site_has_live_widgets_and_asks_no_other_host(
     assert laser.get_attribute("data-rw-theme") == "dark"
     shoot(laser, "docs-site-laser")
 
-    # The reader's choice of colours is the widgets', too.
+    # The widgets follow the reader's choice of colours, too.
     page.evaluate("document.body.dataset.mdColorScheme = 'default'")
     expect(laser).to_have_attribute("data-rw-theme", "light")
 

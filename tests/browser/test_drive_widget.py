@@ -1,4 +1,4 @@
-"""What a person does with a drive pad, and what reaches the robot."""
+"""The drive pad on a page, and the speeds that reach the robot."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ watchdog.CommandWatchdog.drive.__defaults__ = (10, *watchdog.CommandWatchdog.dri
 
 @pytest.fixture(autouse=True)
 def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What `unhurried` changes in this process, on a plain page, does not outlast a test."""
+    """Restore after each test what `unhurried` changes in this process, on a plain page."""
     monkeypatch.setattr(command_watchdog, "HOLD", command_watchdog.HOLD)
     monkeypatch.setattr(press, "HOLD", press.HOLD)
     drive = command_watchdog.CommandWatchdog.drive
@@ -55,7 +55,7 @@ def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def unhurried(nb: Notebook | PlainPage) -> None:
-    """Have page and kernel wait ten seconds for each other, not half of one: a machine may have much else to do."""
+    """Make page and kernel wait ten seconds for each other instead of half a second: the machine may be busy."""
     nb.python(UNHURRIED)
     nb.page.evaluate("window.driver.slowDown(20)")
 
@@ -69,7 +69,7 @@ def numbers(nb: Notebook | PlainPage, *speeds: str) -> None:
 
 
 def heard(nb: Notebook | PlainPage) -> list[list[float]]:
-    """The speeds that the robot heard, without repeats."""
+    """The speeds that the robot received, without repeats."""
     speeds: list[list[float]] = eval(nb.python(SPEEDS))
     return [speed for i, speed in enumerate(speeds) if i == 0 or speed != speeds[i - 1]]
 
@@ -146,7 +146,7 @@ def test_keys_drive_until_one_looks_away(plain_page: Callable[..., PlainPage]) -
         nb.page.evaluate(f"() => {{ {way} }}")
         says(nb, "stopped")
         numbers(nb, "0.00", "0.00")
-        nb.page.keyboard.down("ArrowUp")  # held on, it repeats
+        nb.page.keyboard.down("ArrowUp")  # held down, it repeats
         nb.python("heard.clear()")
         says(nb, "stopped")
         assert heard(nb) == [], way
@@ -238,7 +238,7 @@ def test_two_fingers_drive_by_two_knobs_and_each_lets_go_of_its_own(plain_page: 
     numbers(nb, "0.40", "0.00", "0.00")
     touch("Start", ahead, left)
     numbers(nb, "0.40", "0.00", "0.30")
-    touch("Start", ahead, left, again)  # a second one on the pad has no say
+    touch("Start", ahead, left, again)  # a second finger on the pad has no effect
     touch("Move", {**ahead, "y": pad["y"] + pad["height"]}, left, again)
     numbers(nb, "\u22120.40", "0.00", "0.30")
     touch("End", ahead)
@@ -363,7 +363,7 @@ pad
 """
 
 
-def test_beside_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once(
+def test_during_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once(
     notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([PROGRAM])
@@ -387,7 +387,7 @@ def test_beside_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once
         commands = heard(nb)
         first = commands.index([0.4, 0.0])
         after = next(i for i, command in enumerate(commands) if i > first and command != [0.4, 0.0])
-        # Zero is replaced by what the program says next, if that comes before it is sent.
+        # The program's next speed replaces zero if it comes before zero is sent.
         assert {tuple(speed) for speed in commands[after:]} - {(0.0, 0.0)} == {(0.2, 0.5)}, body
         nb.python("heard.clear(); refused = ''")
 
@@ -400,7 +400,7 @@ def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[PlainPage]:
     nb._namespace["runs"] = False
 
 
-def test_a_kernel_that_does_not_answer_is_not_said_to_have_stopped_a_program(driven_page: PlainPage) -> None:
+def test_a_kernel_that_does_not_answer_is_not_reported_to_have_stopped_a_program(driven_page: PlainPage) -> None:
     nb = driven_page
     says(nb, "a program drives")
     with nb.busy():
@@ -457,7 +457,7 @@ def test_two_pads_of_one_robot_give_way_to_the_newest_press(plain_page: Callable
     says(nb, "driven from another pad", 0)
 
 
-def test_what_is_wrong_is_said(plain_page: Callable[..., PlainPage]) -> None:
+def test_what_is_wrong_is_reported(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page(["from robowidgets import DriveWidget\npad = DriveWidget()\npad"])
     says(nb, "no feed")
     nb.python(

@@ -1,4 +1,4 @@
-"""What a person sees and does with a list of events."""
+"""The list of events on a page."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .plain_page import PlainPage
 
 
 def rows(card: Locator) -> Locator:
-    """The rows of the list that are in the page."""
+    """The rows of the list that are on the page."""
     return card.locator(".rw-event:visible")
 
 
@@ -102,7 +102,7 @@ def test_it_is_filtered_by_level_and_words_in_the_page_and_from_python(plain_pag
     expect(card.get_by_label("Only rows with these words (/)")).to_have_value("nowhere")
 
 
-def test_live_the_newest_stays_in_view_unless_a_person_points_at_the_list_or_freezes_it(
+def test_live_the_newest_stays_in_view_unless_the_user_points_at_the_list_or_freezes_it(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([MANY])

@@ -35,7 +35,7 @@ frozen.pinned = 4
 frozen.update(**fan({9: 0.9}))
 display(laser, frozen, speed, touch)
 """
-# A whole recording, of which a page has one second, and widgets that wait for what cannot come any more.
+# A whole recording, of which the page has one second, and widgets that wait for data that can never come.
 ALONE = f"""
 import robowidgets
 player = robowidgets.open({str(SAMPLE)!r}).show()
@@ -45,7 +45,7 @@ display(player, empty, unscanned)
 
 
 def shows(page: Page) -> None:
-    """Check all that a person sees and does on the exported widgets."""
+    """Check what users see and do on the exported widgets."""
     laser, frozen = page.locator(".rw-laser").first, page.locator(".rw-laser").nth(1)
     expect(laser.locator(".rw-nearest")).to_have_text("nearest 1.52 m at −80.0° [1]")
     place, popup = locate(laser), laser.locator(".rw-popup:visible")
@@ -76,7 +76,7 @@ def shows_speed_and_touch(page: Page) -> None:
 
 
 def lacks_a_kernel(page: Page) -> None:
-    """Check that what cannot come any more is not waited for."""
+    """Check that the page does not wait for data that can never come."""
     for empty in page.locator(".rw-empty:visible").all():
         expect(empty).to_have_text("no kernel in this page")
     player, chip = page.locator(".rw-player"), page.locator(".rw-scanogram-chip:visible")

@@ -1,4 +1,4 @@
-"""A feed on the page: a robot drives while a cell is busy, and when the kernel or the page is taken from under it."""
+"""A feed on the page: a robot drives while a cell is busy, and while the kernel or the page is lost."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_robot_is_live_while_a_cell_is_busy_and_after_an_interrupt_and_a_resta
     nb.run(1)
     laser = nb.output(0).locator(".rw-laser")
     nb.start(2)
-    until = time.monotonic() + 12.0  # longer than any patience of a feed or of the page
+    until = time.monotonic() + 12.0  # longer than any time limit of a feed or of the page
     while time.monotonic() < until:
         expect_moving(laser)
     shoot(nb.output(0), "feed-simulator")
@@ -94,7 +94,7 @@ def test_a_feed_is_live_on_two_pages_and_on_one_that_was_reloaded_while_a_cell_w
     expect_moving(nb.widget(0))
     nb.save()
     nb.page.reload()
-    (nb.lab.files / "reloaded").touch()  # before that JupyterLab does not ask a busy kernel for its widgets
+    (nb.lab.files / "reloaded").touch()  # until then JupyterLab does not request widgets from a busy kernel
     nb.open()
     expect_moving(nb.widget(0))
     shoot(nb.output(0), "feed-reloaded")

@@ -54,7 +54,7 @@ COVERED = """(cards) => cards.flatMap((card) => {
     const seen = (x, y) => card.contains(document.elementFromPoint(left + x * width, top + y * height));
     return [[0.04, 0.12], [0.5, 0.5], [0.96, 0.88]].every(([x, y]) => seen(x, y)) ? [] : [card.className];
 })"""
-"""The cards of which something is out of the window or under another one."""
+"""Return the cards of which a part is outside the window or under another card."""
 CUT = """(cards) => cards.filter((card) => card.scrollWidth > card.clientWidth + 1).map((card) => card.className)"""
 
 
@@ -75,7 +75,9 @@ def test_a_robot_with_a_program_and_its_machine_stands_on_one_screen(
     plain_page: Callable[..., PlainPage], robot: str
 ) -> None:
     nb = opened(plain_page, robot)
-    nb.python("robot.variables.f_vel = 0.0")  # at the wall, the machine unfolds a state, and shrinks for it
+    nb.python(
+        "robot.variables.f_vel = 0.0"
+    )  # at the wall, the machine unfolds a state, and becomes smaller to make room
     cards = nb.output(2).locator(".rw-card")
     for width in (1112, 900):
         nb.resize(width, 720)
@@ -102,7 +104,7 @@ def test_a_robot_with_a_program_and_its_machine_stands_on_one_screen(
         names = nb.output(2).locator(".rw-machine-state-name")
         assert names.evaluate_all("names => names.every((name) => name.getBoundingClientRect().height > 13)")
         hint = nb.output(2).locator(".rw-stop-bar .rw-hint")
-        expect(hint).to_have_css("display", "block")  # no rule of another widget reaches it
+        expect(hint).to_have_css("display", "block")  # no rule of another widget applies to it
         shoot(nb.output(2), f"feed-{robot}-{width}-light")
     nb.resize(1500, 900)
     assert boxes(nb)["feed"]["height"] == 742
@@ -118,7 +120,7 @@ def test_in_narrow_cells_nothing_is_cut_and_stop_comes_first(
         nb.resize(width, 720)
         at = boxes(nb)
         assert at["feed"]["width"] == width
-        # What is out of sight is drawn a little later.
+        # Cards out of sight are drawn a little later.
         eventually(lambda: nb.output(2).locator(".rw-card").evaluate_all(CUT), [])
         assert all(box["right"] <= at["feed"]["right"] for box in at.values())
         tops = [at[name]["y"] for name in ("feed", "simulator", "laser", "program", "machine", "speed", "touch")]
@@ -134,7 +136,7 @@ def test_in_narrow_cells_nothing_is_cut_and_stop_comes_first(
 
 
 @pytest.mark.core
-def test_one_freeze_freezes_all_pictures_of_the_view_beside_a_busy_cell(plain_page: Callable[..., PlainPage]) -> None:
+def test_one_freeze_freezes_all_pictures_of_the_view_during_a_busy_cell(plain_page: Callable[..., PlainPage]) -> None:
     nb = opened(plain_page, "turtlebot3")
     nb.resize(1112, 720)
     freeze, cards = nb.output(2).locator(".rw-freeze-all"), nb.output(2).locator(".rw-frozen")

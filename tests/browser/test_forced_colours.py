@@ -1,4 +1,4 @@
-"""What a person sees who has the system force its colours on every page (Windows calls it a contrast theme)."""
+"""The widgets under forced colours (a contrast theme in Windows), where the system sets the colours of every page."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SYSTEM = """() => Object.fromEntries(["Canvas", "CanvasText", "Highlight", "High
     probe.remove();
     return [name, color];
 }))"""
-"""The colours that the system forces, by their names in CSS."""
+"""The colours that the system forces, by their CSS names."""
 
 
 def used(part: Locator, name: str = "backgroundColor") -> str:

@@ -1,4 +1,4 @@
-"""A kind of sensor that is added by a row is shown and played in the page by its own front end."""
+"""A kind of sensor that a row adds is shown and played in the page by its own front end."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ from .notebook import Notebook
 from .plain_page import PlainPage
 
 every_theme = pytest.mark.parametrize("theme", ["light", "dark"] if PICTURES else ["light"])
-"""Runs without PICTURES see that what the pictures show comes about, in one theme."""
+"""Without PICTURES, a run checks in one theme that the subjects of the pictures appear."""
 
 WIDGETS = """
 import robowidgets
@@ -262,7 +262,7 @@ VBox([drive, laser])
 
 
 @every_theme
-def test_pictures_of_what_was_found(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
+def test_pictures_of_found_moments(plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"]) -> None:
     nb = plain_page([FOUND], scale=2, theme=theme)
     nb.resize(764, height=1600)
     drive = nb.output(0).locator(".rw-scanogram")
@@ -766,7 +766,7 @@ def test_a_moving_picture_of_a_program_edited_while_it_drives(notebook: Callable
         film.move(x, y)
         nb.page.mouse.click(x, y)
 
-    # From the last line to the first, so that no line moves before it is edited.
+    # From the last line to the first, so that lines still to edit do not move.
     go_to(name["x"] + 330, name["y"] + name["height"] / 2)
     for _ in "turn on near":
         nb.page.keyboard.press("Shift+ArrowLeft")

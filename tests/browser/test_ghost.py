@@ -1,4 +1,4 @@
-"""The ghost: a scan in the background to compare the live one with."""
+"""The ghost: a scan in the background to compare with the live one."""
 
 from __future__ import annotations
 
@@ -69,13 +69,13 @@ def test_stays_and_is_compared(plain_page: Callable[..., PlainPage]) -> None:
         "1.52",
     ]
 
-    # Three scans ago, from what the page keeps.
+    # Three scans ago, from the history of the page.
     nb.python("from robowidgets.widget.pacer import pacer")
     for metres in (1.0, 1.1, 1.2, 1.3):
         nb.python(f"laser.update(**fan({{9: {metres}}})); pacer.flush()")
     nb.python("laser.ghost = 3; pacer.flush()")
     expect_words(nb, "+0.30 m at [9]")
-    # Another widget, and whatever it shows next.
+    # Another widget and its next scans.
     nb.python("other.update(**fan({9: 0.8})); laser.ghost = other; pacer.flush()")
     expect_words(nb, "+0.50 m at [9]")
     assert "/filtered" in words(card)

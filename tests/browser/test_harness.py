@@ -1,4 +1,4 @@
-"""The fixtures themselves, on a widget of a few lines: what they say they wait for has come about."""
+"""The fixtures themselves, on a widget of a few lines: after each wait, the awaited state is reached."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ counter = Counter()
 
 @pytest.fixture(params=["notebook", "plain_page"])
 def either(request: pytest.FixtureRequest) -> Any:
-    """Opens a notebook in JupyterLab, or its cells on a plain page: both do the same."""
+    """Opens a notebook in JupyterLab, or its cells on a plain page: both behave alike."""
     return request.getfixturevalue(request.param)
 
 

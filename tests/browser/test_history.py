@@ -1,4 +1,4 @@
-"""Frozen, a widget steps back through what just happened; live, it says what a feed says, and how old its data are."""
+"""Frozen, a widget steps back through its history; live, it shows the texts of a feed and the age of its data."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .test_laser_live import FIRST, freeze_of, nearest
 
 LOOP = "n = n % 800 + 1\nlaser.update(**fan({9: 0.6002 + n / 1000, 17: nan}))\nsum(range(10_000))"
 BACK = re.compile(r"^−\d\.\d\d s from newest$")
-# Where the picture stands in its card, and how high the card is.
+# The position of the picture in its card, and the height of the card.
 BOXES = """(card) => {
     const [outer, inner] = [card, card.querySelector(".rw-picture")].map((e) => e.getBoundingClientRect());
     return [[inner.x - outer.x, inner.y - outer.y, inner.width, inner.height], outer.height];
@@ -117,7 +117,7 @@ def test_python_and_a_second_view_have_the_sample_stepped_to(plain_page: Callabl
     expect(card.locator(".rw-nearest")).to_have_text(re.compile("^nearest 0.81 m"))
     eventually(lambda: nb.python(look), "None\n")
 
-    # Python freezes: the page finds the sample among its own. Without a history there is nothing to step through.
+    # Python freezes: the page finds the sample in its history. Without a history it cannot step.
     nb.python("feed(22); laser.paused = True")
     is_at(card, 22, 22)
     nb.page.keyboard.press(",")
@@ -135,7 +135,7 @@ def test_speeds_and_touches_of_an_earlier_sample_are_right(plain_page: Callable[
             "touch",
             "for n in range(1, 5):\n"
             "    speed.update(linear=(n / 10, 0, 0), angular=(0, 0, 0))\n"
-            # At the end nothing is touched: for how long it is would be told again, in further samples.
+            # Nothing is touched at the end: messages about the duration of a touch would be further samples.
             "    touch.update(left=n % 2 == 1, right=n == 2)\n"
             "    pacer.flush()",
         ]
@@ -206,7 +206,7 @@ def test_a_finger_drags(plain_page: Callable[..., PlainPage]) -> None:
     expect(card.locator(".rw-nearest")).to_have_text(re.compile("0.61 m"))
 
 
-def test_silence_and_the_words_of_a_feed_are_told(plain_page: Callable[..., PlainPage]) -> None:
+def test_silence_and_the_messages_of_a_feed_are_shown(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([TWENTY])
     nb.resize(700)
     card = nb.widget(0).locator(".rw-card")

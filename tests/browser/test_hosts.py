@@ -78,7 +78,7 @@ def _(recording):
 
 @contextmanager
 def serving(folder: Path, command: Callable[[int], list[str]]) -> Iterator[str]:
-    """The address of a host that is started on a free port, and ended."""
+    """Start a host on a free port, and yield its address."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -105,7 +105,7 @@ def serving(folder: Path, command: Callable[[int], list[str]]) -> Iterator[str]:
 
 
 def shows(page: Page) -> None:
-    """Check what a person sees and does on a laser and a scanogram."""
+    """Check a laser and a scanogram with pointer and keys."""
     laser = page.locator(".rw-laser").first
     expect(laser.locator(".rw-nearest")).to_contain_text("0.16 m", timeout=60_000)
     laser.get_by_role("button", name="Zoom in (+)").click()
@@ -119,7 +119,7 @@ def shows(page: Page) -> None:
 
 
 def shows_views(page: Page) -> None:
-    """Check what a person sees and does on views of several widgets, and what is said of those that are not shown."""
+    """Check views of several widgets with pointer and keys, and the note about topics that are not shown."""
     cards = {name: page.locator(".rw-card", has_text=name) for name in ("/near", "/speed")}
     cards["/near"].locator(".rw-freeze").click()
     for card in cards.values():
@@ -140,11 +140,11 @@ def test_marimo_shows_widgets_and_views_and_a_recording_as_a_page_and_is_dark_wi
     (tmp_path / "robot.py").write_text(MARIMO)
     run = ["marimo", "run", "robot.py", "--headless", "--no-token", "--host=127.0.0.1"]
     settings = tmp_path / "pyproject.toml"
-    settings.touch()  # marimo looks for it when it starts, and into it for each page
+    settings.touch()  # marimo looks for this file at its start, and reads it for each page
     with serving(tmp_path, lambda port: [*run, f"--port={port}"]) as url:
         for theme in ("light", "dark"):
             settings.write_text(f'[tool.marimo.display]\ntheme = "{theme}"\n')
-            # The system has the other theme: that of the page counts.
+            # The system has the other theme: the theme of the page counts.
             page = browser.new_page(color_scheme="light" if theme == "dark" else "dark")
             page.goto(url)
             expect(page.locator(".rw-laser").first).to_have_attribute("data-rw-theme", theme, timeout=60_000)

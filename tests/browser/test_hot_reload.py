@@ -1,4 +1,4 @@
-"""The developer's loop: what is built anew shows in the open notebook."""
+"""The developer's loop: a rebuilt front end appears in the open notebook."""
 
 from __future__ import annotations
 

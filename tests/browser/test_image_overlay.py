@@ -1,4 +1,4 @@
-"""What a person sees of a laser on the picture of a camera."""
+"""A laser scan over the picture of a camera, on a page."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ lost
 
 
 def on_picture(image: Locator, dot: list[float]) -> tuple[float, float]:
-    """Where a reading is on the screen, of its column and row as Python tells them."""
+    """The position of a reading on the screen, from its column and row in Python."""
     image.locator(".rw-picture").scroll_into_view_if_needed()
     picture = image.locator(".rw-picture").bounding_box()
     assert picture
@@ -56,7 +56,7 @@ def on_picture(image: Locator, dot: list[float]) -> tuple[float, float]:
 
 
 def assert_lit_in_both(view: Locator, dot: list[float]) -> None:
-    """Fail unless a reading that is pointed at says its numbers, and its ray is lit in the laser with the same ones."""
+    """Fail unless a hovered reading shows its numbers, and the laser highlights its ray with the same numbers."""
     image, laser = view.locator(".rw-image").first, view.locator(".rw-laser").first
     view.page.mouse.move(*on_picture(image, dot))
     named = image.locator(".rw-popup:visible .rw-popup-expression")

@@ -1,4 +1,4 @@
-"""The image widget on a page: pixels, regions, depth, and what a person does to them."""
+"""The image widget on a page: pixels, regions, depth, and its controls."""
 
 from __future__ import annotations
 
@@ -181,7 +181,7 @@ threading.Thread(target=stream, daemon=True).start()
 """
 
 
-def test_beside_a_busy_cell_pictures_come_and_exact_values_of_what_is_thinned(
+def test_during_a_busy_cell_pictures_come_and_exact_values_of_what_is_thinned(
     notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([MAKE, STREAM, "while not ends.is_set(): pass"], run=False)

@@ -1,4 +1,4 @@
-"""robowidgets where Python itself is in the browser: on a page with Pyodide, and in JupyterLite as on the site.
+"""robowidgets with Python itself in the browser: on a page with Pyodide, and in JupyterLite as on the site.
 
 NumPy for the browser is in no registry. What needs it is skipped, unless ROBOWIDGETS_PYODIDE_NUMPY names its file.
 """
@@ -45,12 +45,12 @@ from .console import Console
 from .notebook import notebook_of
 
 PYODIDE = Path(__file__).with_name("node_modules") / "pyodide"
-pytestmark = [pytest.mark.timeout(600), pytest.mark.xdist_group("lite")]  # JupyterLite is built, once for all
+pytestmark = [pytest.mark.timeout(600), pytest.mark.xdist_group("lite")]  # JupyterLite is built once for all tests
 NUMPY = os.environ.get("ROBOWIDGETS_PYODIDE_NUMPY", "")
 needs_numpy = pytest.mark.skipif(not NUMPY, reason="ROBOWIDGETS_PYODIDE_NUMPY names no NumPy for the browser")
 LESSONS = ("from_picture_to_code", "from_code_to_behavior", "from_behavior_to_robot")
 BOOT_MS = 240_000
-"""Python, or JupyterLab and a kernel, start within a page; a busy machine takes its time."""
+"""Python, or JupyterLab and a kernel, start within a page, slowly on a busy machine."""
 
 NUMPY_SIZE = 3_700_000
 FIRST_VIEW = 30_000_000
@@ -72,7 +72,7 @@ new MutationObserver(() => {
   if (bar) window.loading.push([bar.value, bar.max, bar.parentElement.querySelector("p").textContent]);
 }).observe(document, { subtree: true, childList: true, attributes: true });
 """
-"""Keeps what the bar says while a page loads."""
+"""Keeps the texts of the bar while a page loads."""
 
 KINDS = '''
 import asyncio, anywidget, importlib.util, traitlets
@@ -138,11 +138,11 @@ SHOWN = {
     "frame": [0, 1, 2, 255], "later": True,
 }  # fmt: skip
 
-# The notebook shows no more that its kernel starts. Before, a cell that is run may be left out without a word.
+# The notebook no longer shows that its kernel starts. Until then JupyterLite may skip a cell without a message.
 IS_READY = "document.querySelector('.jp-NotebookKernelStatus-fade')?.textContent === ''"
 RUN_CELL = "[data-jp-item-name=run] jp-button"
 PRINTED = ".jp-OutputArea-output[data-mime-type='application/vnd.jupyter.stdout']"
-"""What a cell prints: not what it says by itself when a busy machine takes long to compute."""
+"""Return the printed text of a cell, without messages about the slowness of a busy machine."""
 
 CAME = "came None {'none': None, 'list': [None, 1], 'number': 2.5, 'text': 'b', 'yes': False} [{'custom': None}]"
 
@@ -215,7 +215,7 @@ print(SAID, "kept", before)
 
 
 def packed(folder: Path) -> dict[str, bytes]:
-    """By a name, what is to be unpacked: frames that begin with the name of their compression, and recordings."""
+    """Data to unpack, by name: frames that begin with the name of their compression, and recordings."""
     text = b"".join(b"%d: %.3f m; " % (i, (i * 37 % 1000) / 7) for i in range(30_000))  # in several blocks
     held = [("/scan", 1_700_000_000_000_000_000 + i * 10**8, text[i * 3000 : (i + 1) * 3000]) for i in range(100)]
     with (folder / "lz4.mcap").open("wb") as file:
@@ -247,9 +247,9 @@ def packed(folder: Path) -> dict[str, bytes]:
 
 
 def said(name: str, data: bytes, folder: Path) -> str:
-    """What the cell prints of one of them."""
+    """The text that the cell prints for one of them."""
     raw, whole = inflate(name.split()[0].strip(","), data) if not name.endswith(FILES) else (b"", True)
-    pieces = [raw if whole else b"", b"%d" % whole]  # of what is damaged, less comes there
+    pieces = [raw if whole else b"", b"%d" % whole]  # damaged data yields less
     if name.endswith(FILES):
         (folder / name).write_bytes(data)
         reader: Any = (BagReader if name.endswith(".bag") else McapReader)(folder / name)
@@ -341,7 +341,7 @@ print(found.participants, found.measures[1].values.tolist(), found.problems)
 
 
 class Server:
-    """Serves a folder of files, as any web server does, at an address that stays.
+    """Serves a folder of files, as any web server does, at a fixed address.
 
     Attributes:
         sent: the files that were sent, and how often.
@@ -415,13 +415,13 @@ def test_threads_do_in_chromium_what_they_do_elsewhere(browser: Browser) -> None
 
 
 class Site(NamedTuple):
-    """JupyterLite, served, and what a notebook of it unpacks; see `packed`."""
+    """Serve JupyterLite, and yield the data that one of its notebooks unpacks; see `packed`."""
 
     server: Server
     packed: dict[str, bytes]
 
     def said(self) -> list[str]:
-        """What the cell that unpacks prints."""
+        """The text that the unpacking cell prints."""
         with TemporaryDirectory() as folder:
             return [said(name, data, Path(folder)) for name, data in self.packed.items()]
 
@@ -461,7 +461,7 @@ class Lite:
         self.open()
 
     def open(self) -> None:
-        """Open the notebook, anew after the first time: with another kernel."""
+        """Open the notebook. After the first time, restart it with another kernel."""
         self.page.goto(self._address, wait_until="commit")
         self.page.wait_for_function(IS_READY, timeout=BOOT_MS)
         self.loading = self.page.evaluate("loading")
@@ -475,7 +475,7 @@ class Lite:
         expect(cell.locator(".jp-OutputArea")).to_contain_text(awaited, timeout=BOOT_MS)
 
     def run_all(self) -> None:
-        """Run all cells, which an error ends."""
+        """Run all cells, up to the first error."""
         cells = self.page.locator(".jp-CodeCell .jp-InputPrompt")
         self.page.get_by_role("menuitem", name="Run", exact=True).click()
         self.page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
@@ -487,7 +487,7 @@ class Lite:
 
 @pytest.fixture
 def lite(browser: Browser, site: Site, pages: list[tuple[Page, Console]]) -> Callable[[str], Lite]:
-    """A function that opens a notebook in JupyterLite, as one who has never been there."""
+    """Return a function that opens a notebook in JupyterLite, as on a first visit."""
 
     def open_notebook(name: str) -> Lite:
         page = browser.new_page(viewport={"width": 1200, "height": 1300})
@@ -500,7 +500,7 @@ def lite(browser: Browser, site: Site, pages: list[tuple[Page, Console]]) -> Cal
 
 @pytest.fixture(scope="module")
 def spare() -> Iterator[list[Lite]]:
-    """The notebook of `kinds`, while no test has it."""
+    """The notebook of `kinds`, while no other test uses it."""
     kept: list[Lite] = []
     yield kept
     for nb in kept:
@@ -511,7 +511,7 @@ def spare() -> Iterator[list[Lite]]:
 def kinds(
     lite: Callable[[str], Lite], site: Site, spare: list[Lite], pages: list[tuple[Page, Console]], request: Any
 ) -> Iterator[Lite]:
-    """The notebook of what needs no NumPy, whose first cell has run: opened once, and anew after a test that failed."""
+    """The notebook that needs no NumPy, with its first cell run: opened once, and reopened after a failed test."""
     if spare:
         nb = spare.pop()
         pages.append((nb.page, nb.console))
@@ -551,14 +551,14 @@ def test_the_bar_of_the_first_view_counts_what_the_kernel_loads_then_and_no_more
     assert re.fullmatch(r"Loading Python: ([\d.]+) of \1 MB", texts[-1])
     sent = [file for file in site.server.sent if file.parent.name == "pyodide"]
     assert sum(file.stat().st_size for file in sent) == values[-1]
-    # A private window keeps no file as large as that of Python itself; any other has each from its cache.
+    # A private window does not cache a file as large as Python itself; any other window has each file from its cache.
     assert {file.name for file in sent if site.server.sent[file] > 1} <= {"pyodide.asm.wasm"}
-    # Compressed, where that makes a file smaller, as web servers do.
+    # Compressed if that makes a file smaller, as web servers do.
     first_view = sum(len(gzip.compress(file.read_bytes())) for file in site.server.sent)
     assert first_view + (0 if NUMPY else NUMPY_SIZE) < FIRST_VIEW
 
 
-def test_a_notebook_has_the_modules_beside_it_and_on_the_next_visit_what_it_wrote(kinds: Lite) -> None:
+def test_a_notebook_has_the_modules_in_its_folder_and_on_the_next_visit_its_written_files(kinds: Lite) -> None:
     kinds.run(4, "from beside kept nothing")
     kinds.open()
     kinds.run(4, "from beside kept of before")
@@ -604,7 +604,7 @@ def test_the_lock_names_each_file_by_its_hash_and_all_that_each_needs(site: Site
     assert {"robowidgets", "anywidget", "ipython", "pyodide-kernel"} <= packages.keys()
 
 
-def test_every_link_of_a_notebook_leads_to_one_beside_it(site: Site) -> None:
+def test_every_link_of_a_notebook_leads_to_one_next_to_it(site: Site) -> None:
     files = site.server.folder / "files"
     notebooks = [file for file in files.rglob("*.ipynb") if file.parent.name != "tests"]
     there = {"tour.ipynb", "de/from_picture_to_code.ipynb", "studies/take_part.ipynb", "studies/compare.ipynb"}
@@ -622,7 +622,7 @@ def test_every_link_of_a_notebook_leads_to_one_beside_it(site: Site) -> None:
         ("none.whl", "No such file or directory: 'none.whl'. Name the file of https://cdn.jsdelivr.net/pyodide/v"),
     ],
 )
-def test_another_file_than_that_of_pyodide_is_no_numpy(
+def test_another_file_than_pyodides_is_not_numpy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str, said: str
 ) -> None:
     monkeypatch.chdir(tmp_path)

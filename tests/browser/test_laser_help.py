@@ -1,4 +1,4 @@
-"""The laser says what a person may do to it: by a hint, the cursor, words on buttons, and a list of its keys."""
+"""The laser explains its controls: by a hint, the cursor, labels of buttons, and a list of its keys."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_the_footer_says_that_an_arc_can_be_dragged_until_the_first_drag(plain_p
     expect(picture).to_have_css("cursor", "crosshair")
     picture.hover(position={"x": 4, "y": 4})
     expect(picture).not_to_have_css("cursor", "crosshair")
-    nb.python("laser.sectors['ahead'] = ('-10deg', '10deg')")  # of a program: nobody has dragged yet
+    nb.python("laser.sectors['ahead'] = ('-10deg', '10deg')")  # set by a program: the user has not dragged yet
     expect(hint).to_have_text(HINT)
     height = card.evaluate("(card) => card.querySelector('.rw-footer').offsetHeight")
     drag(nb, card, *arc(place, 3.0, 22, 48))

@@ -1,4 +1,4 @@
-"""A laser widget while scans come: it shows the newest, freezes, and answers a person while a cell is busy."""
+"""A laser widget while scans come: it shows the newest, freezes, and reacts to the user while a cell is busy."""
 
 from __future__ import annotations
 

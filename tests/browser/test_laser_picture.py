@@ -1,4 +1,4 @@
-"""What a person sees of a laser scan."""
+"""The picture of a laser scan."""
 
 from __future__ import annotations
 

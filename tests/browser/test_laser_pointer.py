@@ -1,4 +1,4 @@
-"""What a person learns by pointing at a laser scan, with mouse, keys and finger."""
+"""Pointing at a laser scan with mouse, keys and finger."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def says(popup: Locator, *parts: str) -> None:
 
 
 def of(index: int) -> tuple[str, str, str, str, str]:
-    """What the pop-up says of a ray of the fan."""
+    """The text of the pop-up for a ray of the fan."""
     metres, degrees = FAN[index]
     x, y = metres * cos(radians(degrees)), metres * sin(radians(degrees))
     side = "ahead" if degrees == 0 else "left" if degrees > 0 else "right"
@@ -159,7 +159,7 @@ def test_the_notebook_scrolls_under_the_wheel_and_keeps_still_while_keys_walk(
     card, mouse, keys = nb.widget(0).locator(".rw-card"), nb.page.mouse, nb.page.keyboard
     picture, popup = card.locator(".rw-picture"), popups(card)
 
-    # A wheel that has nothing left to zoom scrolls.
+    # A wheel that cannot zoom further scrolls.
     picture.hover()
     mouse.move(400, 300, steps=3)
     reaches(card, "4")
@@ -189,7 +189,7 @@ def test_the_notebook_scrolls_under_the_wheel_and_keeps_still_while_keys_walk(
     reaches(second, "1.5")
     nb.python("laser.view_range = 'sensor'")
 
-    # Keys walk, and none reaches the notebook.
+    # Keys walk the rays, and none reaches the notebook.
     picture.click()
     mouse.move(5, 5)
     keys.press("Home")
@@ -210,7 +210,7 @@ def test_the_notebook_scrolls_under_the_wheel_and_keeps_still_while_keys_walk(
     assert nb.page.evaluate(CELLS) == cells, "no key reached the notebook"
     expect(nb.page.locator(".jp-Dialog")).to_have_count(0)
 
-    # Those of running a cell do, and all do beside the widget.
+    # The keys that run a cell reach the notebook, and outside the widget all keys do.
     picture.focus()
     keys.press("Shift+Enter")
     eventually(lambda: nb.page.evaluate(CELLS), [False, True, False])

@@ -1,4 +1,4 @@
-"""What a laser widget keeps: over two views, a reload, a kernel's restart, a bad message and its own end."""
+"""The state of a laser widget over two views, a reload, a kernel's restart, a bad message and its own end."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ IMPATIENT = """(() => {
     const { timeout } = AbortSignal;
     AbortSignal.timeout = () => timeout.call(AbortSignal, 0);
 })()"""
-"""anywidget has no patience with a widget that is not ready, as on a page that is too busy to be so in two seconds."""
+"""anywidget gives up on a widget that is not ready after two seconds, as on a busy page."""
 
 
 def loaded_in_the_silence_a_page_that_is_late_hears_and_does_not_take_the_picture_for_new(nb: Notebook) -> None:
@@ -106,7 +106,7 @@ def loaded_in_the_silence_a_page_that_is_late_hears_and_does_not_take_the_pictur
         is_old(card)
     for card in views(nb):
         says(card, "too close at −40.0° [5]", "Freeze")
-    # The page has not seen when the touch began: the next beat tells it.
+    # The page does not know when the touch began: the next beat reports it.
     touched = cards(nb)[2].locator(".rw-tile").first
     expect(touched.locator(".rw-tile-words")).to_have_text(re.compile(r"^touched.*\d s$"))
     nb.python("update()")
@@ -135,7 +135,7 @@ def after_a_restart_the_cells_run_again_and_a_closed_widget_goes(nb: Notebook) -
     nb.python("laser.update(**fan())\nlaser.paused = False")
 
 
-def test_a_bad_message_in_a_thread_is_told_and_the_last_good_picture_stays(
+def test_a_bad_message_in_a_thread_is_reported_and_the_last_good_picture_stays(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([FIRST])

@@ -1,4 +1,4 @@
-"""How far a laser's picture reaches, as a person sets it by wheel, buttons, keys and from Python."""
+"""The range of a laser's picture, set by wheel, buttons, keys and from Python."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_wheel_buttons_keys_fit_and_python_zoom(plain_page: Callable[..., PlainP
     reaches(card, "4")
     for turn, metres, scale in ((-100, "3", 1.33), (100, "4", 1.0), (100, "4", 1.0)):
         picture.hover()
-        mouse.move(400, 300, steps=3)  # a mouse on its way, as the wheel's own test of it asks
+        mouse.move(400, 300, steps=3)  # a moving mouse, as the test of the wheel requires
         mouse.wheel(0, turn)
         reaches(card, metres)
         mouse.move(5, 5)
@@ -71,7 +71,7 @@ def test_wheel_buttons_keys_fit_and_python_zoom(plain_page: Callable[..., PlainP
     eventually(lambda: "19 beyond 1.5 m" in words(card), True)
 
 
-def test_auto_is_decided_by_the_first_reading_unless_a_person_has_zoomed(plain_page: Callable[..., PlainPage]) -> None:
+def test_auto_is_decided_by_the_first_reading_unless_the_user_has_zoomed(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([f"{SETUP}\nlaser.view_range = 'auto'\nlaser", "zoomed = LaserWidget(view_range='auto')\nzoomed"])
     update = "update(ranges=np.full(9, {metres}), angle_min=-1, angle_increment=0.25, range_min=0.1, range_max=30.0)"
     card = nb.widget(0).locator(".rw-card")

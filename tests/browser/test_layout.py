@@ -52,11 +52,11 @@ CUT = """(card) => {
             || element.scrollWidth > element.clientWidth + 1 && !element.matches(".rw-title, .rw-slider"))
         .map((element) => `${card.className}: ${element.className}`);
 }"""
-"""What of a card a person cannot see whole."""
+"""The parts of a card that are cut off."""
 
 IN_PLACE = """(width) => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(
     [...document.querySelectorAll(".rw-card")].every((card) => card.offsetWidth === width)))))"""
-"""Whether every card has a width, and what it draws for it."""
+"""Return True if every card has a width, and has drawn its content for it."""
 
 ROOM = """(card) => {
     const box = (element) => element.getBoundingClientRect();
@@ -78,7 +78,7 @@ def room(card: Locator) -> Any:
 
 
 def scrolls(box: Locator) -> int:
-    """How many pixels of a box lie beside it."""
+    """The number of pixels of a box outside its container."""
     beside: int = box.evaluate("(box) => box.scrollWidth - box.clientWidth")
     return beside
 
@@ -194,7 +194,7 @@ def test_freezing_moves_nothing_in_a_narrow_header(plain_page: Callable[..., Pla
 
 
 def test_the_boxes_of_cards_that_are_put_into_a_shadow_root_know_of_them(plain_page: Callable[..., PlainPage]) -> None:
-    """As the pages of the documentation put them: made first, and then put into the root of an element in the page."""
+    """As the documentation pages do: made first, and then put into the root of an element in the page."""
     nb = plain_page([SETUP, "HBox([laser(), speed()])"])
     nb.page.evaluate(
         """(cell) => {
@@ -211,7 +211,7 @@ def test_the_boxes_of_cards_that_are_put_into_a_shadow_root_know_of_them(plain_p
     expect(row.locator(".rw-laser").locator("..")).to_have_css("margin-right", "6px")
 
 
-def test_a_recording_in_a_cell_of_848_pixels_has_its_scanogram_beside_the_laser_in_the_first_screen(
+def test_a_recording_in_a_cell_of_848_pixels_has_its_scanogram_next_to_the_laser_on_the_first_screen(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page(["import robowidgets\nrecording = robowidgets.open(robowidgets.SAMPLE)", "recording.show()"])

@@ -1,4 +1,4 @@
-"""A picture that is drawn again asks the browser for no layout: what it needs is kept from the last resize."""
+"""A redrawn picture makes the browser compute no layout: the sizes it needs are kept from the last resize."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ TELL = """() => {
     const frame = requestAnimationFrame;
     window.requestAnimationFrame = (draw) => frame((time) => { drawn += 1; draw(time); });
 }"""
-"""What is changed on the page: to what it is, before text is painted in the same frame, and by new nodes."""
+"""Changes on the page: to the same value, before text is painted in the same frame, and by new nodes."""
 MACHINE = """
 from robowidgets import MachineWidget, feeds
 from robowidgets.behaviors import Drive
@@ -154,7 +154,7 @@ CHANGES = """() => {
         return clearRect.apply(this, given);
     };
 }"""
-"""What is changed in cards, by their kind, also to what it is already; and how often they are painted."""
+"""Changes in cards, by kind, also changes to the same value; and the number of times that they are painted."""
 
 
 @pytest.mark.parametrize(
@@ -169,7 +169,7 @@ def test_drawing_again_has_the_browser_lay_out_nothing(plain_page: Callable[...,
             axis.hover()
         expect(card.locator(".rw-popup")).to_be_visible()
     nb.page.evaluate(COUNT)
-    # Once for each value that it takes: a pop-up is laid out when it becomes wider.
+    # Once for each new value: a pop-up is laid out when it becomes wider.
     for i in range(8):
         nb.python(f"step({i})")
     nb.page.evaluate("() => { reads.length = drawn = 0; }")
@@ -185,7 +185,7 @@ def test_drawing_again_has_the_browser_lay_out_nothing(plain_page: Callable[...,
 def test_a_scan_is_painted_before_the_page_is_changed_and_only_texts_that_differ_are(
     plain_page: Callable[..., PlainPage], cell: str
 ) -> None:
-    """Text on a canvas has all changes before it laid out, and a new node has rules by ``:has()`` looked at."""
+    """Text on a canvas makes the browser lay out earlier changes; a new node makes it look up rules with ``:has()``."""
     nb = plain_page([cell])
     expect(nb.widget(0).locator(".rw-nearest")).to_have_count(1)
     for i in range(8):
@@ -198,7 +198,7 @@ def test_a_scan_is_painted_before_the_page_is_changed_and_only_texts_that_differ
     assert nb.page.evaluate("() => told") == {"same": [], "before": [], "nodes": []}
 
 
-def test_cards_whose_samples_say_the_same_leave_the_page_alone_beside_a_live_laser(
+def test_cards_with_unchanged_samples_leave_the_page_alone_next_to_a_live_laser(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([SPEED, TOUCH, STUDENT, PATH, IMU, LASER, BESIDE], height=3000)
@@ -217,7 +217,7 @@ def test_cards_whose_samples_say_the_same_leave_the_page_alone_beside_a_live_las
 
 
 def test_many_cards_that_come_at_once_are_laid_out_together(plain_page: Callable[..., PlainPage]) -> None:
-    """Else each has the browser lay out all others again: their time grows with the square of their number."""
+    """Otherwise each makes the browser lay out all others again: the time grows with the square of their number."""
     many = """
 from ipywidgets import VBox
 cards = [MessageWidget(title=f"/imu{i}") for i in range(24)]

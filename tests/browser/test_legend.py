@@ -1,4 +1,4 @@
-"""Legends have words at every width, and nothing of them is cut or moves while samples come."""
+"""Legends have texts at every width, and nothing in them is cut off or moves while samples come."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ CUT = """(footer) => {
             || leaf.scrollWidth > Math.ceil(leaf.getBoundingClientRect().width);
     }).map((leaf) => leaf.textContent);
 }"""
-"""What of a footer a person cannot see whole, apart from the hint, which is there where it has room."""
+"""The parts of a footer that are cut off, without the hint, which appears only if it has room."""
 
 
 def shown(card: Locator) -> list[str]:
-    """The counts on show, in words."""
+    """The counts on show, as text."""
     return [" ".join(text.split()[1:]) for text in card.locator(".rw-class:visible").all_inner_texts()]
 
 

@@ -1,4 +1,4 @@
-"""A state machine on the page: what is lit, what its events say, what fired, and the moment of that in all widgets."""
+"""A state machine on the page: active states, events, transitions, and the same moment in all widgets."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
     widget.locator(".rw-freeze").click()
     expect(laser.locator(".rw-freeze")).to_have_attribute("aria-pressed", "false")
 
-    # A moment ago, in the band of states: turn has been active since.
+    # In the band of states, a moment ago: turn has been active since.
     band = widget.locator(".rw-states")
     expect(widget.locator(".rw-machine-band-foot")).to_have_text("\u221230 snow")
     with nb.busy():
@@ -144,7 +144,7 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
         expect(widget.locator(".rw-machine-band-foot")).to_have_text("\u221230 sfrozen")
     widget.locator(".rw-freeze").click()
 
-    # What is not kept freezes nothing, and says so.
+    # A moment that is no longer kept freezes nothing, and the page reports it.
     nb.python("machine.history = 0")
     rows.nth(1).click()
     expect(widget.locator(".rw-footer")).to_contain_text("this moment is not kept here")
@@ -212,7 +212,7 @@ program = robot.program(Goer, rate=20)
 
 
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
-def test_a_click_goes_to_a_state_numbers_stand_beside_events_and_a_failed_state_is_marked(
+def test_a_click_goes_to_a_state_numbers_stand_next_to_events_and_a_failed_state_is_marked(
     plain_page: Callable[..., PlainPage], theme: Literal["light", "dark"], scale: int
 ) -> None:
     nb = plain_page([OPEN, GO], width=740, theme=theme, scale=scale)

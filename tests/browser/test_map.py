@@ -1,4 +1,4 @@
-"""The path widget as a map: what its layers look like, how it is moved and read, and what measures on it."""
+"""The path widget as a map: the looks of its layers, its controls, and measuring on it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def drive(start, stop):
 drive(0, 30)
 path
 """
-"""Its floor is exactly that of the grid, 8 m wide: half of it is occupied on the upper right."""
+"""The floor is exactly the grid, 8 m wide: half of it is occupied, on the upper right."""
 
 GROWING = """
 import numpy as np
@@ -62,7 +62,7 @@ path
 
 
 def fact(card: Locator, name: str) -> Locator:
-    """What the list says of a layer."""
+    """The text of the list for a layer."""
     row = card.locator(".rw-layers-row", has=card.page.get_by_text(name, exact=True))
     return row.locator(".rw-layers-fact")
 
@@ -98,7 +98,7 @@ def test_layers_are_drawn_in_one_frame_and_the_list_says_what_each_is_and_which_
 
 
 def middle_of(picture: Locator) -> tuple[float, float]:
-    """The middle of what is drawn beside the list of layers."""
+    """The middle of the drawing next to the list of layers."""
     box = picture.bounding_box()
     assert box
     return box["x"] + (box["width"] - 270) / 2, box["y"] + 12 + (box["height"] - 40) / 2

@@ -1,4 +1,4 @@
-"""What a person sees and does with a message widget."""
+"""The message widget on a page."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .plain_page import PlainPage
 
 
 def value(card: Locator, path: str) -> Locator:
-    """What stands beside the name of a field."""
+    """The text next to the name of a field."""
     return row(card, path).locator(".rw-message-value")
 
 
@@ -103,7 +103,7 @@ def test_what_changed_is_marked_and_nothing_else(plain_page: Callable[..., Plain
     nb.run(2)
     nb.page.keyboard.press("Escape")
     expect(value(card, "angular_velocity.z")).to_have_text("−0.5")
-    expect(changed).to_have_count(0)  # it is over
+    expect(changed).to_have_count(0)  # the silence is over
     card.locator(".rw-picture").focus()
     nb.page.keyboard.press(" ")
     expect(changed).to_have_count(2)
@@ -208,7 +208,7 @@ def test_a_player_shows_the_message_of_each_time_and_copies_the_code_that_reads_
     shoot(card, "message-player")
 
 
-def test_a_number_of_a_recording_is_plotted_beside_it_by_a_click(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_click_plots_a_number_of_a_recording_next_to_it(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([IMU, RECORDED])
     alone = row(nb.widget(0).locator(".rw-card"), "angular_velocity.z")
     alone.hover()

@@ -35,7 +35,7 @@ OVERLAP = """(popup) => {
     return cut.length || isSpilt || boxes.some((a, i) => boxes.slice(i + 1).some((b) =>
         a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom));
 }"""
-"""Whether words of a pop-up lie on one another, or outside of it."""
+"""Return True if texts of a pop-up overlap, or lie outside of it."""
 
 
 def width_of_area(card: Locator) -> float:

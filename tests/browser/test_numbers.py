@@ -1,4 +1,4 @@
-"""Numbers that a program plots, below the laser and on its time."""
+"""Numbers that a program plots, below the laser and on its time axis."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def drive(seconds):
         time.sleep(0.05)
 laser
 """
-# Pixels in the colour of what programs say.
+# Pixels in the colour of what programs draw.
 OWN = """(root) => {
   const canvas = root.querySelector("canvas");
   const hex = getComputedStyle(root).getPropertyValue("--rw-own").trim();

@@ -1,4 +1,4 @@
-"""What a page keeps of views that are gone, while the kernel keeps their widgets."""
+"""Memory that a page keeps of closed views, while the kernel keeps their widgets."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ RUNS = 6
 NODES_PER_RUN = 20
 LISTENERS_PER_RUN = 50
 BYTES_PER_RUN = 300_000
-# Of widgets that are closed they keep 160 kB at most; all their scripts and stylesheets have 250 kB.
+# Of closed widgets they keep 160 kB at most; all their scripts and stylesheets have 250 kB.
 BYTES_PER_CLOSED_RUN = 220_000
 PATIENCE_S = 60.0
 

@@ -1,4 +1,4 @@
-"""The path of a robot as a map: what is drawn, named and kept while frozen, and the moment of a player."""
+"""The path of a robot as a map: its drawing, its labels, its frozen state, and the moment of a player."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ player.seek(20)
 player
 """
 
-# Pixels of the floor in the ink of the way so far, and in the gray of the rest.
+# Pixels of the floor in the ink of the path so far, and in the gray of the rest.
 COUNT = """(card) => {
   const canvas = card.querySelector("canvas");
   const style = getComputedStyle(card);

@@ -27,7 +27,7 @@ player
 
 @pytest.fixture(scope="module")
 def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Each picture and each cloud tells its number: 1 mm and 10 cm farther away than the one before."""
+    """Each picture and each cloud encodes its number: 1 mm and 10 cm farther away than the one before."""
     kinds = {"/camera/depth": "sensor_msgs/msg/Image", "/points": "sensor_msgs/msg/PointCloud2"}
     messages = []
     for number in range(COUNT):
@@ -47,7 +47,7 @@ def cards(view: Page | Locator) -> tuple[Locator, Locator]:
 
 
 def words(card: Locator, part: str) -> Locator:
-    """In the pop-up of what is pointed at, or of the region, which comes first."""
+    """Return a part of the pop-up of the region, or of the pixel or point under the pointer, whichever comes first."""
     return card.locator(f".rw-popup:visible .rw-popup-{part}").first
 
 

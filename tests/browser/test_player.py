@@ -34,7 +34,7 @@ SECONDS = """root => {
     const parts = root.querySelector('.rw-play-now').textContent.split(':');
     return parts.reduce((sum, part) => 60 * sum + Number(part), 0);
 }"""
-"""What the bar shows, in seconds."""
+"""The times on the bar, in seconds."""
 
 
 def opened(notebook: Open, path: Path, show: str = SHOW, **more: object) -> Any:
@@ -46,13 +46,13 @@ def bar(nb: Notebook | PlainPage) -> Locator:
 
 
 def now(nb: Notebook | PlainPage) -> float:
-    """The seconds that the bar of a player shows once it is drawn; do not ask while it plays."""
+    """Return the seconds on the bar of a player once it is drawn; do not call it while it plays."""
     nb.drawn()
     return float(bar(nb).evaluate(f"bar => ({SECONDS})(bar)"))
 
 
 def to_time(nb: Notebook | PlainPage, seconds: float) -> None:
-    """Drag the slider, as far as a page can tell."""
+    """Drag the slider, with all the events that a page receives."""
     slider = bar(nb).locator("input[type=range]")
     slider.evaluate("(slider, time) => { slider.value = time; slider.dispatchEvent(new Event('input')); }", seconds)
 
@@ -64,7 +64,7 @@ def passes(nb: Notebook | PlainPage, seconds: float) -> None:
 def test_the_slider_and_python_move_every_widget(plain_page: Open, data: Path) -> None:
     nb = opened(plain_page, data / "good" / "neato_fsm")
     expect(nb.output(1).locator(".rw-picture")).to_have_count(6)
-    # What the page has not yet comes.
+    # The page now gets what it lacks.
     nb.python("player.time = next(m.seconds for m in recording.samples('/bump') if any(m.sample.touched.values()))")
     expect(bar(nb).locator(".rw-play-now")).to_have_text("21.96")
     tile = nb.output(1).locator(".rw-tile", has_text="left front")
@@ -187,7 +187,7 @@ def test_a_widget_keeps_the_keys_that_it_uses_itself(plain_page: Open, tmp_path:
     expect(play).to_have_attribute("title", "Play (space)")
 
 
-def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
+def test_the_date_and_time_of_day_stand_next_to_the_seconds_if_there_is_room(
     plain_page: Open, data: Path, tmp_path: Path
 ) -> None:
     nb = opened(plain_page, robot.write(tmp_path / "night", silence=7200))
@@ -216,7 +216,7 @@ def test_the_date_and_time_of_day_stand_beside_the_seconds_where_there_is_room(
     expect(bar(nb).locator(".rw-play-clock")).to_be_hidden()
 
 
-def test_a_scanogram_that_is_left_out_is_told_of_under_the_bar(
+def test_a_scanogram_that_is_left_out_is_reported_under_the_bar(
     plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(_overview, "FEW", 10)
@@ -257,9 +257,7 @@ def test_before_the_first_scan_one_sentence_says_so(plain_page: Open, data: Path
     shoot(laser, "player-before-the-first-scan")
 
 
-def test_a_step_crosses_hours_of_silence_in_which_what_is_shown_is_told_to_be_old(
-    plain_page: Open, tmp_path: Path
-) -> None:
+def test_a_step_crosses_hours_of_silence_in_which_the_view_is_marked_as_old(plain_page: Open, tmp_path: Path) -> None:
     nb = opened(plain_page, robot.write(tmp_path / "night", silence=7200))
     said = nb.output(1).locator(".rw-laser .rw-silence")
     bar(nb).locator("input").focus()
@@ -286,7 +284,7 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
     monkeypatch.setattr(_prefetcher, "KEPT_BYTES", 100_000)
     path = sweeps.write(tmp_path / "long", sweeps.numbered(3000, rays=100))
     nb = opened(plain_page, path)
-    # Not by one cell that waits: the kernel must hear the page, which asks for them.
+    # Not in one cell that waits: the kernel must receive the page's requests for them.
     wait_for(lambda: nb.python("sum(player._prefetcher._sent.values()) >= 90_000") == "True", "segments were sent", 120)
     asked, has = "print(player._prefetcher._pointed)", "print(sorted(player._prefetcher._sent))"
 
@@ -314,14 +312,14 @@ def test_where_pointer_or_finger_rests_a_click_shows_at_once_also_while_a_cell_r
         expect(bar(nb).locator(".rw-play-words")).to_be_empty()
 
 
-def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel_is_told_of(
+def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel_is_reported(
     plain_page: Open, tmp_path: Path
 ) -> None:
     path = robot.write(tmp_path / "drive")
     nb = opened(plain_page, path, width=1280, height=720)
     player, press = bar(nb), nb.page.keyboard.press
     lane, words, field = (player.locator(one) for one in (".rw-play-label", ".rw-play-words", ".rw-naming > input"))
-    # Where it begins, and where it ends.
+    # Its begin and its end.
     nb.python("player.time = 3")
     expect(player.locator(".rw-play-now")).to_have_text("3.00")
     player.locator(".rw-play").focus()
@@ -337,7 +335,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     expect(lane).to_have_text(["<b>door</b>"])
     expect(player.locator(".rw-play")).to_be_focused()
     assert nb.python("[one[:3] for one in recording.labels]").strip() == "[('<b>door</b>', 3.0, 4.0)]"
-    # The selected span, by click, while a cell runs: the page says that it will be kept, and shows it until then.
+    # Click the selected span while a cell runs: the page shows it as pending until it is kept.
     nb.python("player.selection = (5, 9)")
     with nb.busy():
         player.get_by_title("Give a name to the selected span").click()
@@ -348,7 +346,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
         shoot(player, "player_label_busy")
     expect(player.locator(".rw-coming")).to_have_count(0)
     expect(lane).to_have_text(["corridor", "<b>door</b>"])
-    # They are among the marks; a click goes there, and renames it, or takes it away.
+    # They are among the marks; a click goes to the mark, renames it, or removes it.
     player.locator(".rw-play-mark-words").click()
     expect(player.locator(".rw-play-row", has_text="\u201ccorridor\u201d")).to_have_count(1)
     player.locator(".rw-play-mark-words").click()
@@ -361,7 +359,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     lane.last.focus()
     press("Delete")
     expect(lane).to_have_text(["long corridor"])
-    # Its span is selected: naming it again takes it back.
+    # Its span is selected: naming it again removes the name.
     player.locator(".rw-play").focus()
     press("a")
     expect(player.locator(".rw-naming-about")).to_have_text("3.00 to 4.00 s")
@@ -369,7 +367,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     lane.first.click()
     player.get_by_role("button", name="Remove").click()
     expect(lane).to_have_count(0)
-    # What cannot be kept stands in the row again, with the reason.
+    # A name that cannot be kept appears in the row again, with the reason.
     nb.python(
         "import pathlib; p = recording.path.parent / 'labels.jsonl'; p.unlink(); p.mkdir(); player.selection = (1, 2)"
     )
@@ -381,7 +379,7 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     expect(field).to_have_value("door")
 
 
-def test_what_is_of_another_moment_is_pale_until_its_data_come(
+def test_content_of_another_moment_is_pale_until_its_data_come(
     plain_page: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(_prefetcher, "KEPT_BYTES", 100_000)
@@ -400,7 +398,7 @@ def test_what_is_of_another_moment_is_pale_until_its_data_come(
         for theme in ("light", "dark"):
             nb.theme(theme)
             shoot(nb.output(1), f"player-waits-{theme}")
-        # Back to what the page has, and with the pointer to what it lacks, which the knob follows.
+        # Back to a time that the page has, and by pointer to one that it lacks, which the knob follows.
         to_time(nb, 0)
         expect(laser).to_have_class(ready)
         picture.hover(position={"x": 450, "y": 40})
@@ -519,7 +517,7 @@ def test_two_scanners_and_four_sensors_stand_whole_on_one_screen(plain_page: Ope
     nb.python("laser.index_view = True; laser.selection = 'front'")
     expect(scans.locator(".rw-strip")).to_have_count(1)
     expect(scans.locator(".rw-chip")).to_be_visible()
-    expect(scans.locator(".rw-picture .rw-chip")).to_have_count(0)  # below a low picture
+    expect(scans.locator(".rw-picture .rw-chip")).to_have_count(0)  # below a picture of small height
     for picture in scans.locator(".rw-picture").all():
         assert (picture.bounding_box() or {"height": 0})["height"] >= 200
     nb.resize(400, 720)
@@ -581,9 +579,7 @@ def test_a_second_page_takes_no_step_back_and_after_a_lost_connection_all_shows_
     expect(laser).to_have_text(ray, use_inner_text=True)
 
 
-def test_one_that_follows_another_stays_where_it_was_moved_when_the_page_is_loaded_anew(
-    notebook: Open, tmp_path: Path
-) -> None:
+def test_a_follower_stays_where_it_was_moved_when_the_page_is_reloaded(notebook: Open, tmp_path: Path) -> None:
     one, other = (Path(copy(robowidgets.SAMPLE, tmp_path / name)) for name in ("one.mcap", "other.mcap"))
     follow = f"other = robowidgets.open({str(other)!r}).show('/scan', scanogram=False)\nother.follow(player)\nother"
     show = "(player := recording.show('/scan', scanogram=False))"
@@ -605,7 +601,7 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
     nb = opened(notebook, Path(copy(robowidgets.SAMPLE, tmp_path)), width=1280, height=720)
     wait_for(lambda: nb.python("len(player._prefetcher._sent) == 59") == "True", "all segments were sent", 120)
     to_time(nb, 29.0)
-    # JupyterLab sends no more of a model whose last message it was waiting for when the connection was lost.
+    # JupyterLab sends nothing more for a model that was waiting for a message when the connection was lost.
     wait_for(lambda: nb.python("print(player.time)").strip() == "29.0", "Python knew")
     nb.reconnect()
     assert now(nb) == 29.0, "it stays where it is when the connection was lost"
@@ -623,12 +619,12 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
     expect(bar(nb).get_by_title("Play (space)")).to_be_visible()
     expect(nearest).not_to_have_text(first)
     there = now(nb)
-    for _ in range(2):  # the first may lead to the scan on show, hundredths ago
+    for _ in range(2):  # the first may lead to the scan on show, hundredths of a second ago
         bar(nb).get_by_title("One scan back (,)").click()
     nb.page.wait_for_function(f"time => ({SECONDS})(document) < time", arg=there)
     assert now(nb) == pytest.approx(there, abs=0.25)
 
-    # Where the pointer is on the scanogram, all show that moment; a click stays there.
+    # All widgets show the moment under the pointer on the scanogram; a click stays there.
     nb.drawn()
     there = now(nb)
     scans = [m for m in robowidgets.open(robowidgets.SAMPLE).samples("/scan") if m.seconds < there + 0.005]
@@ -658,7 +654,7 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
     expect(time).to_have_text("3.00")
     wait_for(lambda: (nearest.inner_text(), value.inner_text(), tile.inner_text()) == pointed, "all show it")
 
-    # To a moment that it has not played yet, and a step from there.
+    # To a moment that it has not played yet, and one step from it.
     picture.click(position=at_second(9))
     passes(nb, 8.9)
     nb.drawn()
@@ -672,7 +668,7 @@ def test_while_a_cell_runs_it_plays_steps_points_seeks_and_keeps_a_name(notebook
         bar(nb).locator(focused).focus()
         nb.page.keyboard.press("x")
     expect(nb.page.locator(".jp-Cell"), "no key reached the notebook").to_have_count(3)
-    # A name is kept beside the recording meanwhile.
+    # Meanwhile a name is saved next to the recording.
     bar(nb).locator(".rw-play").focus()
     for key in ("a", "ArrowRight", "a"):
         nb.page.keyboard.press(key)
@@ -694,7 +690,7 @@ BELOW_TOP = """() => {
     panel.scrollTop = 600;
     return document.querySelector('.rw-player').getBoundingClientRect().top - panel.getBoundingClientRect().top;
 }"""
-"""Pixels from the top of what the notebook shows, scrolled a way down, to the player."""
+"""Distance in pixels from the top of the visible notebook, scrolled down a bit, to the player."""
 
 
 HELD = """
@@ -765,7 +761,7 @@ slow.follow(fast)"""
         nb.page.wait_for_function("() => document.querySelectorAll('.rw-play-now')[1].textContent > '7.00'")
     bar(nb).get_by_title("Stop here (space)").click()
     told = "print(f'{slow.time:.2f}', fast.playing, slow.playing)"
-    # On a busy machine the first may have played on to where it turns back, and the second stays.
+    # On a busy machine the first may have played on to its turning point, and the second stays.
     wait_for(lambda: nb.python(told).split() == [now_there.text_content(), "False", "False"], "Python knows")
     shoot(nb.output(1), "same-place")
 

@@ -1,4 +1,4 @@
-"""What a person sees and does with a plot."""
+"""The plot on a page."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HOSTILE = "<img src=x onerror=alert(1)>"
 
 
 def x_of(card: Locator, part: float) -> tuple[float, float]:
-    """A place at a part of the width of the first graph."""
+    """A position at a share of the width of the first graph."""
     box = card.locator(".u-over").first.bounding_box()
     assert box
     return box["x"] + part * box["width"], box["y"] + box["height"] / 2
@@ -39,7 +39,7 @@ def measures(card: Locator, line: int) -> list[str]:
 
 
 def drag(page: Page, card: Locator, start: float, end: float) -> None:
-    """Select a span of the first graph, as parts of its width."""
+    """Select a span of the first graph, as shares of its width."""
     page.mouse.move(*x_of(card, start))
     page.mouse.down()
     page.mouse.move(*x_of(card, (start + end) / 2))
@@ -48,7 +48,7 @@ def drag(page: Page, card: Locator, start: float, end: float) -> None:
 
 
 def ink(card: Locator) -> int:
-    """How many pixels of the graphs are painted."""
+    """The number of painted pixels of the graphs."""
     read = """(card) => [...card.querySelectorAll(".u-wrap canvas")].reduce((sum, canvas) => sum +
         canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.filter((_, i) => i % 4 === 3)
         .reduce((count, alpha) => count + (alpha > 0), 0), 0)"""
@@ -56,7 +56,9 @@ def ink(card: Locator) -> int:
     return painted
 
 
-def test_least_mean_and_most_of_many_digits_stand_apart_beside_the_graphs(plain_page: Callable[..., PlainPage]) -> None:
+def test_least_mean_and_most_of_many_digits_stand_apart_next_to_the_graphs(
+    plain_page: Callable[..., PlainPage],
+) -> None:
     cell = """
         from robowidgets import PlotWidget
         plot = PlotWidget()
@@ -138,10 +140,10 @@ PAINTED = """() => {
         return own.call(this, text, x, ...more);
     };
 }"""
-"""Tells the texts that are painted from now on, with their left end and their width."""
+"""Records the texts that are painted from now on, with their left end and their width."""
 
 
-def test_the_time_at_the_pointer_stands_beside_the_unit_and_a_place_off_the_lines_is_no_time(
+def test_the_time_at_the_pointer_stands_next_to_the_unit_and_only_on_the_lines(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([ARRAYS])
@@ -312,7 +314,7 @@ def test_a_png_has_the_lines(plain_page: Callable[..., PlainPage], tmp_path: Pat
     assert nb.page.evaluate(dark, url) > 200
 
 
-def test_what_two_lines_differ_by_and_what_holds_at_the_pointer_stand_beside_them(
+def test_what_two_lines_differ_by_and_what_holds_at_the_pointer_stand_next_to_them(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([FULL])

@@ -1,4 +1,4 @@
-"""The PNG of what a widget shows: what the button downloads, and what `save_png` writes."""
+"""The PNG of a widget: from the download button, and from `save_png`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STILL = """
 .rw-controls, .rw-steps, .rw-button { display: none !important }
 [data-seen] { position: fixed !important; z-index: 9; top: 8px; left: 8px; border-radius: 0 !important }
 """
-"""A PNG leaves out what is there to be pressed, and the round corners, through which one would see the page."""
+"""A PNG leaves out buttons, and the round corners, through which the page would show."""
 
 WIDGETS = f"""{SETUP}
 import numpy as np
@@ -50,19 +50,19 @@ def pixels(png: bytes) -> Pixels:
 
 
 def download(page: Page, card: Locator) -> tuple[str, Pixels]:
-    """Name and pixels of what the button saves."""
+    """Name and pixels of the PNG that the button saves."""
     with page.expect_download() as begun:
         card.get_by_role("button", name="Save as PNG").press("Enter")
     return begun.value.suggested_filename, pixels(Path(begun.value.path()).read_bytes())
 
 
 def seen(card: Locator) -> Pixels:
-    """What a person sees of a card, on whole pixels."""
+    """A screenshot of a card, on whole pixels."""
     size = """(card) => {
         const { width, height } = card.getBoundingClientRect();
         return (card.dataset.seen = `width: ${width}px; height: ${height}px`);
     }"""
-    # Without its buttons a pop-up is smaller, and would move to another place for the time of the screenshot.
+    # Without its buttons a pop-up is smaller, and would move during the screenshot.
     places = card.locator(".rw-floating").evaluate_all(
         """(popups) => popups.map((popup, i) => {
             popup.dataset.stays = i;
@@ -75,13 +75,13 @@ def seen(card: Locator) -> Pixels:
 
 
 def differences(saved: Pixels, screen: Pixels) -> float:
-    """The share of pixels that differ so much that a person would see it."""
+    """The share of pixels that differ visibly."""
     assert saved.shape == screen.shape
     return float((np.abs(saved - screen).max(axis=-1) > 48).mean())
 
 
 def red_at(saved: Pixels, card: Locator, place: Place, ray: tuple[float, float], red: tuple[int, ...]) -> bool:
-    """Whether a reading is where it is on the screen, at twice its pixels."""
+    """Return True if a reading is at its position on the screen, with twice as many pixels."""
     left, top = card.evaluate(
         """(card) => {
             const [outer, inner] = [card, card.querySelector(".rw-picture")].map((e) => e.getBoundingClientRect());
@@ -92,7 +92,7 @@ def red_at(saved: Pixels, card: Locator, place: Place, ray: tuple[float, float],
     return bool(np.abs(saved[round(2 * (top + y)), round(2 * (left + x))] - red).max() <= 12)
 
 
-def test_the_button_saves_what_a_person_sees(plain_page: Callable[..., PlainPage]) -> None:
+def test_the_button_saves_the_visible_card(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([WIDGETS, "laser", "speed", "touch", "scanogram"], scale=2)
     nb.page.mouse.move(0, 0)
     for cell, name in ((2, "odom"), (3, "bumper-&-_b_"), (4, "scan"), (1, "scan")):

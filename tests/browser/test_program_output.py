@@ -1,4 +1,4 @@
-"""Where the page shows what a program prints, logs and raises: below its own cell."""
+"""The page shows what a program prints, logs and raises below its own cell."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ one.connect("/scan", look)
 
 
 def printed(nb: Notebook, index: int, name: str) -> str:
-    """What stands below a cell from one of the two streams."""
+    """The text of one of the two streams below a cell."""
     streams = [output for output in nb.outputs(index) if output.get("name") == name]
     return "".join("".join(output["text"]) for output in streams)
 
@@ -80,7 +80,7 @@ def test_of_a_version_that_goes_on_it_stands_below_the_run_that_failed(notebook:
     assert nb.text(2) == "last\n"
 
 
-def test_what_is_no_error_is_printed_as_plain_text(notebook: Callable[..., Notebook]) -> None:
+def test_output_without_an_error_is_printed_as_plain_text(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([OPEN, SECOND, REPLACES])
     assert "the program third replaces the program second\n" in printed(nb, 2, "stdout")
     nb.run(1)

@@ -1,4 +1,4 @@
-"""A program on the page: what it does, its variables, its prints and its error, Run, Step and Stop."""
+"""A program on the page: its actions, variables, prints and error, and the buttons Run, Step and Stop."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def test_a_program_is_seen_set_stopped_run_and_replaced(plain_page: Callable[...
     nb.python("robot.close()")
 
 
-def test_beside_a_busy_cell_it_steps_and_stops(notebook: Callable[..., Notebook]) -> None:
+def test_during_a_busy_cell_it_steps_and_stops(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([OPEN, f"{LISTEN}{AVOID}"])
     widget = nb.widget(0)
     stopped = nb.lab.files / f"{nb.path}-stopped"
@@ -149,7 +149,7 @@ def test_beside_a_busy_cell_it_steps_and_stops(notebook: Callable[..., Notebook]
     slider = widget.get_by_role("slider", name="f_vel")
     slider.focus()
     slider.press("End")
-    expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.5, -0.3)")  # set, and stepped, beside the cell
+    expect(widget.locator(".rw-program-code")).to_have_text("Drive(0.5, -0.3)")  # set, and stepped, while the cell runs
     slider.press("Escape")
     expect(widget.locator(".rw-stop-word")).to_have_text("Stopped")
     wait_for(lambda: stopped.read_text().endswith(" 0.0\n"), "zero is sent while the cell is busy")

@@ -1,4 +1,4 @@
-"""The benchmarks read from a picture the number that was put into the scan."""
+"""The benchmarks read from a picture the number that was encoded in the scan."""
 
 from __future__ import annotations
 

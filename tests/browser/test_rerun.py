@@ -1,4 +1,4 @@
-"""Rerun beside the widgets of a recording: the world on one side, the hard data on the other, one time for both."""
+"""Rerun next to the widgets of a recording: the 3D world on one side, exact data on the other, one time for both."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def now(nb: Notebook) -> Locator:
 
 
 def viewer_follows(nb: Notebook) -> None:
-    """Until the viewer has answered whatever it was told."""
+    """Wait until the viewer has answered everything it received."""
     wait_for(lambda: nb.python("print(player.rerun._agrees and not player.rerun._sent)").strip() == "True", "it did")
 
 
 def click_the_time_line(canvas: Locator) -> None:
-    """As a hand does: the viewer looks at the mouse once for each picture that it draws."""
+    """Move the mouse in steps, like a hand: the viewer reads the mouse once for each picture that it draws."""
     canvas.scroll_into_view_if_needed()
     place = canvas.bounding_box()
     assert place

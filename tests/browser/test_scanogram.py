@@ -1,4 +1,4 @@
-"""The scanogram: what a person points at, sets and zooms, and what Python knows of it."""
+"""The scanogram: pointing, settings and zoom, and their values in Python."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ def picture_of(card: Locator) -> Locator:
 
 
 def at(card: Locator, seconds: float, view: tuple[float, float] = (0, 400), y: float = 100) -> dict[str, float]:
-    """Where a time stands in the picture."""
+    """The position of a time in the picture."""
     width = picture_of(card).evaluate("(picture) => picture.clientWidth") - LEFT - RIGHT
     return {"x": LEFT + (seconds - view[0]) / (view[1] - view[0]) * width, "y": y}
 
 
 def height_of(card: Locator, index: int) -> float:
-    """Where a ray stands in the picture: 18 pixels below it are the touches, 24 the axis."""
+    """The position of a ray in the picture: 18 pixels below it are the touches, 24 the axis."""
     height = picture_of(card).evaluate("(picture) => picture.clientHeight") - TOP - 24 - 18
     return float(TOP + (1 - (index + 0.5) / 181) * height)
 
@@ -79,7 +79,7 @@ def says(card: Locator, *words: str) -> None:
 
 
 @pytest.mark.core
-def test_a_person_points_clicks_and_drags_and_python_knows(plain_page: Callable[..., PlainPage]) -> None:
+def test_pointing_clicks_and_drags_reach_python(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SETUP])
     nb.resize(900)
     card = card_of(nb)
@@ -185,7 +185,7 @@ def test_the_wheel_zooms_down_to_single_scans_while_a_cell_runs(plain_page: Call
         picture_of(card).hover(position=at(card, 100))
         box = picture_of(card).bounding_box()
         assert box
-        nb.page.mouse.move(box["x"] + spot["x"], box["y"] + spot["y"], steps=3)  # on its way, as the wheel asks
+        nb.page.mouse.move(box["x"] + spot["x"], box["y"] + spot["y"], steps=3)  # a moving mouse, as the wheel requires
         for _ in range(10):
             nb.page.mouse.wheel(0, -200)
         expect(everything, "it zooms in the page").to_be_enabled()
@@ -212,7 +212,7 @@ def shows_the_state(page: Page, card: Locator) -> None:
     says(card, "ranges[90]", "0.50 m", "200.00 s")
 
 
-def test_a_link_in_the_page_a_reload_and_an_export_have_what_is_on_show(
+def test_a_link_in_the_page_a_reload_and_an_export_have_the_present_view(
     notebook: Callable[..., Notebook], static_page: Callable[[Path], Page]
 ) -> None:
     nb = notebook([SETUP, FOLLOWER])

@@ -1,4 +1,4 @@
-"""What a screen reader hears of the widgets, and what axe-core finds wrong for people who use other means."""
+"""The output of the widgets for screen readers, and the faults that axe-core finds."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_keys_tell_the_ray_that_they_reach(plain_page: Callable[..., PlainPage])
     expect(nb.page.locator(".rw-live")).to_have_text("no reading")
 
 
-def test_a_speed_is_said_with_spaces(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_speed_is_read_aloud_with_spaces(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page(
         [
             "from robowidgets import SpeedWidget\nspeed = SpeedWidget(title='/odom')\n"

@@ -18,10 +18,10 @@ from .test_laser_live import is_frozen, is_live
 from .test_player import bar, now, to_time
 
 LONG = "\n".join(f"# {line}" for line in range(80))
-"""A cell higher than the window. Chromium renders what is less than one and a half windows out of view."""
+"""A cell higher than the window. Chromium renders elements less than one and a half windows out of view."""
 
 WINDOWINGS = ["contentVisibility", "full"]
-"""JupyterLab's default since 4.5, by which the browser skips cells, and before, by which cells are not displayed."""
+"""JupyterLab's default since 4.5, where the browser skips cells, and the older one, where cells are not displayed."""
 
 FIRST = f"{SETUP}\nfrom robowidgets.widget.pacer import pacer\nlaser.update(**fan())\nlaser"
 
@@ -174,13 +174,13 @@ WIDGETS = {
     "imu_widget": (message.IMU, "imu_widget.update(imu(z=0.5))"),
     "many": (events.MANY.replace("3000", "300"), "for i in range(20): many.add(f'new {i}', time=31.0 + i)"),
 }
-"""By the name of each in the kernel: the cell that shows it, and code that changes it."""
+"""By the name of each widget in the kernel: the cell that shows it, and code that changes it."""
 
 SEEN = """card => [
     card.querySelector('.rw-picture').innerText.replaceAll(/\\d+\\.\\d s|no data.*/g, ""),
     [...card.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()),
 ]"""
-"""Texts, but for seconds that are counted, and pixels."""
+"""Texts, without counted seconds, and pixels."""
 
 
 @pytest.mark.parametrize("windowing", WINDOWINGS)
@@ -202,7 +202,7 @@ def test_what_came_meanwhile_is_drawn_and_a_list_stays_scrolled(notebook: Open, 
     for cell, name in enumerate(WIDGETS):
         eventually(lambda cell=cell, name=name: seen(cell) != before[name], True)
 
-    # A list stays where a person has scrolled it to.
+    # A list keeps its scroll position.
     cell = list(WIDGETS).index("many")
     rows = nb.widget(cell).locator(".rw-events-list")
     nb.scroll_to(cell)

@@ -186,7 +186,7 @@ def test_keys_make_move_keep_walk_and_remove_sectors(plain_page: Callable[..., P
     eventually(lambda: nb.python("laser.pinned"), "3")
     keys.press("Tab")
     eventually(lambda: nb.python("laser.pinned is None"), "True")
-    assert not picture.evaluate("(picture) => document.activeElement === picture"), "focus gets out"
+    assert not picture.evaluate("(picture) => document.activeElement === picture"), "focus leaves"
 
 
 @pytest.mark.parametrize(("degrees", "rays"), [(270, 271), (180, 181), (360, 360), (60, 61)])
@@ -262,7 +262,7 @@ def test_typed_rays_are_a_new_selection_and_those_of_the_chip_redefine_its_secto
     eventually(lambda: nb.python("laser.sectors['ahead']"), "Sector('-20deg', '20deg')")
 
 
-def test_rays_are_typed_and_what_names_none_is_said(plain_page: Callable[..., PlainPage]) -> None:
+def test_rays_are_typed_and_an_invalid_entry_is_reported(plain_page: Callable[..., PlainPage]) -> None:
     nb, card, place = opened(plain_page)
     drag(nb, card, *arc(place, 3.0, 2, 38))
     field, error = chip(card).locator(".rw-chip-expression"), chip(card).locator(".rw-chip-error")
@@ -298,7 +298,7 @@ def test_rays_are_typed_where_nothing_is_picked_also_while_a_cell_runs(plain_pag
         with nb.busy():
             button.click()
             expect(field).to_be_focused()
-            expect(chip(card).get_by_role("button")).to_have_count(1)  # that which closes it
+            expect(chip(card).get_by_role("button")).to_have_count(1)  # the key that closes it
             keys.type("ranges[9:14")
             keys.press("Enter")
             expect(error).to_have_text("expected a slice, as ranges[240:300]")
@@ -348,7 +348,7 @@ def test_an_empty_scan_leaves_the_scanner_in_the_middle(plain_page: Callable[...
     eventually(lambda: [abs(x - place.x) < 30 for word, x, _ in placed_words(card) if word == "ahead"], [True])
 
 
-def test_code_is_copied_by_hand_where_there_is_no_clipboard(plain_page: Callable[..., PlainPage]) -> None:
+def test_code_is_copied_by_hand_if_there_is_no_clipboard(plain_page: Callable[..., PlainPage]) -> None:
     nb, card, place = opened(plain_page, width=400)
     nb.page.evaluate(NO_CLIPBOARD)
     drag(nb, card, *arc(place, 3.0, 2, 38))
@@ -429,7 +429,7 @@ def test_in_a_busy_notebook_a_drag_becomes_code_that_runs_in_the_next_cell(noteb
     expect(chip(card)).to_have_attribute("aria-label", "sector door")
     keys.press("c")
     eventually(lambda: nb.page.evaluate("() => copied.length"), 1)
-    # Keys were the field's and the picture's, not the notebook's.
+    # The keys reached the field and the picture, not the notebook.
     expect(nb.page.locator(".jp-Notebook .jp-Cell")).to_have_count(2)
     expect(nb.page.locator(".jp-Notebook.jp-mod-editMode")).to_have_count(0)
     nb.interrupt()
@@ -441,7 +441,7 @@ def test_in_a_busy_notebook_a_drag_becomes_code_that_runs_in_the_next_cell(noteb
 
 
 def run_new(nb: Notebook, source: str) -> str:
-    """Run a new cell; what it prints."""
+    """Run a new cell and return its printed text."""
     index = nb.append(source)
     nb.run(index)
     return nb.text(index)

@@ -1,4 +1,4 @@
-"""What programs draw on a scan, as a person sees it."""
+"""Shapes that programs draw on a scan, on a page."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FIRST = f"{SETUP}\nfrom robowidgets import *\nlaser.update(**fan())\nlaser.draw(
 
 
 def drawn(card: Locator, theme: str = "light") -> int:
-    """Pixels in the colour of what programs draw."""
+    """Pixels in the colour of drawn shapes."""
     return Picture(card).count(OWN[theme])
 
 
@@ -56,7 +56,7 @@ def test_a_shape_goes_at_its_time_in_the_page_and_stays_on_a_frozen_picture(
     nb.python("laser.update(**fan()); laser.draw('frozen', Line((1, -1), (1, 1)), lifetime=5)")
     eventually(lambda: drawn(card) > 100, True)
     card.locator(".rw-freeze").click()
-    nb.python("laser.update(**fan()); laser.draw('frozen', None)")  # of the next scan, not of the one that is frozen
+    nb.python("laser.update(**fan()); laser.draw('frozen', None)")  # of the next scan, not of the frozen one
     expect(card.locator(".rw-number")).to_have_text("1")
     assert drawn(card) > 100, "it was drawn on the scan that is on show"
     card.locator(".rw-freeze").click()

@@ -1,4 +1,4 @@
-"""The contact sheet of what was found: what it draws, what a click and keys do, and thousands of moments."""
+"""The contact sheet of a search: its pictures, its clicks and keys, and thousands of moments."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def test_a_sheet_draws_sorts_filters_walks_and_opens(plain_page: Open, folder: P
     code = sheet.locator(".rw-sheet-code").text_content() or ""
     assert nb.python(f"{code}.sample.nearest().index == sheet.picked.index").strip() == "True"
     assert nb.python("sheet.player.time == sheet.picked.moment").strip() == "True"
-    # A click opens another one; a table shows the same.
+    # A click opens another one; a table shows the same moment.
     tiles.nth(5).click()
     expect(sheet.locator(".rw-open")).to_have_count(1, timeout=60_000)
     sheet.get_by_role("button", name="Table").click()
@@ -140,7 +140,7 @@ def test_a_sheet_draws_sorts_filters_walks_and_opens(plain_page: Open, folder: P
     shoot(sheet, "sheet_table")
 
 
-def test_of_thousands_only_what_is_seen_is_on_the_page_and_what_is_there_scrolls_while_a_cell_runs(
+def test_of_thousands_only_the_visible_rows_are_on_the_page_and_scroll_while_a_cell_runs(
     plain_page: Open, folder: Path
 ) -> None:
     nb = plain_page([FOUND.format(folder=str(folder)) + MANY + "sheet = many.show(sort='file')\nsheet"], width=1280)
@@ -148,7 +148,7 @@ def test_of_thousands_only_what_is_seen_is_on_the_page_and_what_is_there_scrolls
     sheet = nb.widget(0).locator(".rw-sheet")
     nb.page.wait_for_function(PAINTED, arg=21)
     expect(sheet.locator(".rw-facts")).to_contain_text("4,000 in 2")
-    # The kernel sends all of them unasked: those of the end are there when a person comes to them.
+    # The kernel sends all of them without being asked: the last ones are on the page when the user scrolls to them.
     sheet.evaluate("(sheet) => { sheet.scrolls = sheet.querySelector('.rw-sheet-scroll'); }")
     last = nb.python("len(many) - 1").strip()
     while nb.python(f"{last} in sheet._sender._sent").strip() != "True":
@@ -178,7 +178,7 @@ def test_in_a_notebook_a_table_grows_a_click_opens_a_hit_and_after_an_interrupt_
     (may / "drive_2.mcap").touch()
     expect(rows).to_have_count(8)
     expect(facts).to_contain_text("8 so far, 1 of 4 files")
-    # It grows, also while the next recording takes long.
+    # It also grows while the next recording takes long.
     (may / "drive_10.mcap").touch()
     expect(facts).to_contain_text("16 so far, 2 of 4 files")
     rows.nth(9).click()

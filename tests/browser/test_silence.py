@@ -1,4 +1,4 @@
-"""A picture whose data are old is dimmed, and says how old they are: nobody takes it for what is there now."""
+"""A picture of old data is dimmed and shows their age, so that no user takes it for the present."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def cards(nb: Notebook | PlainPage) -> list[Locator]:
 
 
 def is_dimmed(card: Locator) -> bool:
-    """Whether all that tells of the data is dimmed, without motion; else nothing is."""
+    """Return True if everything that shows data is dimmed, without motion; if not, nothing may be dimmed."""
     parts = card.evaluate(DIMMED)
     dimmed = [part[:2] == [True, True] for part in parts]
     assert len(parts) >= 2
@@ -71,7 +71,7 @@ def is_new(card: Locator) -> None:
 
 
 def stands_free(card: Locator) -> bool:
-    """Whether the words stand whole within the picture, above all else, and larger than what is small print."""
+    """Return True if the texts are whole and within the picture, above everything else, and larger than small print."""
     free: bool = card.evaluate("""(card) => {
         const said = card.querySelector(".rw-silence");
         const [box, picture] = [said, card.querySelector(".rw-picture")].map((part) => part.getBoundingClientRect());

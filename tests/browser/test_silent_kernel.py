@@ -1,4 +1,4 @@
-"""A kernel that sleeps, hangs or was restarted: what lives by steps looks old, and says since when, as a laser does."""
+"""A kernel that sleeps, hangs or was restarted: widgets that live by steps look old and show since when."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ picture => {
   return false;
 }
 """
-"""Whether something in the picture can be grabbed."""
+"""Return True if anything in the picture can be grabbed."""
 
 
 @pytest.fixture
 def stopped() -> Iterator[list[int]]:
-    """Processes that a test has stopped, which go on at its end."""
+    """Processes that a test has paused, which continue at its end."""
     pids: list[int] = []
     yield pids
     for pid in pids:
@@ -88,7 +88,7 @@ def cards(nb: Notebook) -> tuple[Locator, Locator, Locator]:
 
 
 def events(nb: Notebook) -> tuple[Locator, Locator]:
-    """Cards of what comes when it comes."""
+    """Cards of data without a fixed rate."""
     return nb.widget(0, 3), nb.widget(0, 4)
 
 
@@ -96,14 +96,14 @@ def can_be_dragged(nb: Notebook) -> bool:
     return bool(nb.widget(0, 1).locator(".rw-picture").evaluate(GRABBED))
 
 
-def test_a_kernel_that_hangs_is_told_and_nothing_is_moved_until_it_goes_on(
+def test_a_kernel_that_hangs_is_reported_and_nothing_is_moved_until_it_goes_on(
     notebook: Callable[..., Notebook], stopped: list[int]
 ) -> None:
     nb = notebook([OPEN])
     _, room, program = cards(nb)
     is_live(nb)
     assert can_be_dragged(nb)
-    # A program that is paused sends nothing, and nothing is missing.
+    # A paused program sends nothing, and nothing is missing.
     program.get_by_role("button", name="Pause").click()
     expect(program.locator(".rw-program-mode")).to_have_text("paused")
     nb.page.evaluate(
@@ -141,7 +141,7 @@ def test_a_kernel_that_hangs_is_told_and_nothing_is_moved_until_it_goes_on(
     assert can_be_dragged(nb)
 
 
-def test_a_kernel_that_was_restarted_is_told(notebook: Callable[..., Notebook]) -> None:
+def test_a_kernel_that_was_restarted_is_reported(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([OPEN])
     is_live(nb)
     nb.restart_kernel()

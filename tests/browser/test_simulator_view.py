@@ -1,4 +1,4 @@
-"""A simulated robot in its room: moved and turned, obstacles put, moved and removed, by pointer, touch and keys."""
+"""A simulated robot in its room: moved and turned, obstacles added, moved and removed, by pointer, touch and keys."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(("theme", "scale"), LOOKS)
-def test_a_robot_shows_its_ring_beside_its_other_sensors(
+def test_a_robot_shows_its_ring_next_to_its_other_sensors(
     plain_page: Callable[..., PlainPage], theme: str, scale: int
 ) -> None:
     nb = plain_page([ROBOT, SHOW], theme=theme, scale=scale, height=720)

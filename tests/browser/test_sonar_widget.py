@@ -1,4 +1,4 @@
-"""What a person sees and does with a sonar widget."""
+"""The sonar widget on a page."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .test_png import differences, download, seen
 
 
 def at(card: Locator, degrees: float, part: float = 0.5) -> tuple[float, float]:
-    """A point in the picture of a ring that is round, in this direction from forward, at a part of the half height."""
+    """A point in the picture of a round ring, in this direction from forward, at a share of the half height."""
     picture = card.locator(".rw-picture").bounding_box()
     assert picture
     x, y = picture["x"] + picture["width"] / 2, picture["y"] + picture["height"] / 2
@@ -27,12 +27,12 @@ def at(card: Locator, degrees: float, part: float = 0.5) -> tuple[float, float]:
 
 
 def texts(widget: Locator) -> list[str]:
-    """What stands in the picture now, since `listen`."""
+    """The texts in the picture now, since `listen`."""
     return [text for text, *_ in placed_words(widget)]
 
 
 def words(card: Locator, place: str) -> Locator:
-    """The pop-up of the picked or of the hovered sensor: its part of this name."""
+    """Return the part with this name of the pop-up of the picked or hovered sensor."""
     return card.locator(".rw-popup:visible .rw-popup-" + place)
 
 
@@ -131,7 +131,7 @@ def test_one_silent_sensor_turns_pale_and_is_named_while_the_others_go_on(
     expect(widget.locator(".rw-silence")).to_have_text(re.compile(r"^no data for"))
 
 
-def test_what_cannot_be_shown_is_told_above_what_could_and_texts_stay_texts(
+def test_what_cannot_be_shown_is_reported_above_what_could_and_texts_stay_texts(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([STUDENT])
@@ -171,7 +171,7 @@ def test_the_view_zooms_by_wheel_keys_and_buttons_and_fits_readings(plain_page: 
     expect(card.locator(".rw-fit")).to_have_attribute("aria-pressed", "true")
 
 
-def test_a_png_is_saved_of_what_is_on_show(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_png_is_saved_of_the_present_view(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([PIONEER], scale=2)
     card = nb.widget(0).locator(".rw-card")
     name, saved = download(nb.page, card)

@@ -1,4 +1,4 @@
-"""What a person sees and does with a speed widget."""
+"""The speed widget on a page."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ PLACES = """(card) => [...card.querySelectorAll(".rw-track, .rw-footer")]
 
 
 def of_each(cards: Locator, faults: str) -> list[str]:
-    """What a script finds wrong with any of some cards."""
+    """The faults that a script finds in any of some cards."""
     found: list[str] = cards.evaluate_all(f"(cards) => cards.flatMap({faults})")
     return found
 
@@ -113,7 +113,7 @@ def value(widget: Locator, name: str) -> Locator:
 
 
 def drawn(widget: Locator, name: str, part: str) -> float:
-    """The speed at which a part of an axis is drawn, by where zero and the limits of -1 and 1 are."""
+    """The speed at which a part of an axis is drawn, from the positions of zero and the limits of -1 and 1."""
     speed: float = axis(widget, name).evaluate(
         """(column, part) => {
             const box = (element) => element.getBoundingClientRect();
@@ -130,7 +130,7 @@ def drawn(widget: Locator, name: str, part: str) -> float:
 
 
 def colour(shown: Locator) -> str:
-    """What an element is painted with."""
+    """The paint of an element."""
     painted: str = shown.evaluate("(element) => getComputedStyle(element).backgroundColor")
     return painted
 
@@ -232,7 +232,7 @@ def test_a_bar_longer_than_the_scale_is_cut_and_its_number_exact(plain_page: Cal
     assert drawn(card, "linear.x", ".rw-bar") == pytest.approx(1.25, abs=0.02)
 
 
-def test_no_value_is_said_and_not_drawn_as_zero(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_missing_value_is_shown_as_such_and_not_drawn_as_zero(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(nan, 0, 0), angular=(0, 0, nan))")
@@ -385,7 +385,7 @@ def test_bars_move_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> No
             expect(value(card, "linear.x")).to_have_text(text)
 
 
-def test_an_error_is_said_and_the_last_good_speed_stays(plain_page: Callable[..., PlainPage]) -> None:
+def test_an_error_is_reported_and_the_last_good_speed_stays(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([SPEED])
     card = nb.widget(0)
     nb.python("speed.update(linear=(0.5, 0, 0), angular=(0, 0, 0))")

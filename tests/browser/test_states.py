@@ -22,7 +22,7 @@ player
 
 
 def at(part: Locator, share: float, above: float = 8) -> dict[str, float]:
-    """A place in a part: across by a share of its width, and so many pixels above its foot."""
+    """A position in a part: a share of its width across, and some pixels above its foot."""
     box = part.bounding_box()
     assert box
     return {"x": share * box["width"], "y": box["height"] - above}

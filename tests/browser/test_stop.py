@@ -1,4 +1,4 @@
-"""Stop, on its bar and on a pad: beside an idle kernel, beside busy ones, and where there is no way."""
+"""Stop, on its bar and on a pad: with an idle kernel, with busy ones, and without a way to the kernel."""
 
 from __future__ import annotations
 
@@ -56,12 +56,12 @@ NO_INTERRUPT = """(path) => {
     const panel = [...window.jupyterapp.shell.widgets("main")].find((widget) => widget.context?.path === path);
     panel.sessionContext.session.kernel.interrupt = undefined;
 }"""
-"""The page cannot interrupt the kernel, as in hosts that do not hand it to widgets."""
+"""The page cannot interrupt the kernel, as in hosts that give widgets no access to it."""
 ALONE = """(path) => {
     const panel = [...window.jupyterapp.shell.widgets("main")].find((widget) => widget.context?.path === path);
     panel.sessionContext.session.kernel.commsOverSubshells = "disabled";
 }"""
-"""Messages of widgets wait until a cell ends, as they do with kernels that know no subshells."""
+"""Messages of widgets wait until a cell ends, as with kernels without subshells."""
 PROGRAM = "a program drives /cmd_vel: 0.20 m/s, 0.50 rad/s"
 
 
@@ -80,15 +80,15 @@ def says(nb: Notebook | PlainPage, words: str, hint: str | None = None) -> None:
 
 
 def press(nb: Notebook | PlainPage, cell: int = 0) -> None:
-    """Press Stop, without letting go."""
+    """Press Stop, and hold it."""
     box: Any = stop_of(nb, cell).bounding_box()
     nb.page.mouse.move(box["x"] + 20, box["y"] + 20)
     nb.page.mouse.down()
 
 
-def test_beside_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..., Notebook]) -> None:
+def test_during_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..., Notebook]) -> None:
     nb = notebook([FEED])
-    nb.page.evaluate(NO_INTERRUPT, nb.path)  # a machine that has much to do may answer late
+    nb.page.evaluate(NO_INTERRUPT, nb.path)  # a busy machine may answer late
     for loop in BUSY:
         says(nb, PROGRAM)
         busy = nb.append(loop)
@@ -116,7 +116,7 @@ def test_beside_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..
 
 @pytest.fixture
 def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[Callable[..., PlainPage]]:
-    """A plain page, whose cell starts a program that drives; it ends with the test."""
+    """A plain page whose cell starts a program that drives; it ends with the test."""
     opened: list[PlainPage] = []
 
     def open_page(cells: list[str], **more: Any) -> PlainPage:
@@ -189,7 +189,7 @@ def test_keys_stop_from_the_bar_and_escape_from_anywhere_in_its_view(notebook: C
     nb.page.keyboard.press("Control+Escape")
     nb.page.locator(".jp-Cell").nth(1).click()
     nb.page.keyboard.press("Escape")
-    nb.python("1")  # what the page sent before has arrived
+    nb.python("1")  # the earlier messages of the page have arrived
     expect(stop_of(nb)).to_have_text("Stop")
     assert nb.python("feed.stopped") == "False"
 
@@ -245,7 +245,7 @@ def test_a_kernel_that_does_not_answer_is_interrupted_and_a_cell_that_goes_on_is
     says(nb, "nobody may drive", "the kernel was interrupted")
 
 
-def test_where_there_is_no_way_to_a_busy_kernel_it_says_so_and_what_would_help(
+def test_without_a_way_to_a_busy_kernel_it_reports_that_and_the_remedy(
     driven_page: Callable[..., PlainPage],
 ) -> None:
     nb = driven_page([FEED])
@@ -281,12 +281,12 @@ def test_an_allow_that_waited_for_the_kernel_releases_nothing(driven_page: Calla
     says(nb, PROGRAM)
 
 
-def test_a_page_counts_as_there_with_slow_timers_and_beside_a_cell_until_it_is_left(
+def test_a_page_counts_as_present_with_slow_timers_and_during_a_cell_until_it_is_left(
     notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([f"{FEED.rstrip()[:-3]}feed.driving = feeds.Driving(needs_page=True)\nbar"])
     says(nb, PROGRAM)
-    # As in a page that has been hidden for minutes.
+    # As on a page that has been hidden for minutes.
     nb.page.evaluate("() => { for (let id = 0; id < 100_000; id++) clearInterval(id); }")
     busy = nb.append("heard.clear()\nwhile len(heard) < 80: time.sleep(0.001)\nrefused, heard[-1][0] - heard[0][0]")
     assert eval(nb.run(busy)) > ("", 3.5)
@@ -300,7 +300,7 @@ def test_a_page_counts_as_there_with_slow_timers_and_beside_a_cell_until_it_is_l
     wait_for(lambda: log.exists() and "no page" in log.read_text(), "the robot stands")
 
 
-def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
+def test_a_program_of_a_dead_kernel_no_longer_counts_as_driving(
     notebook: Callable[..., Notebook],
 ) -> None:
     nb = notebook([FEED])
@@ -308,7 +308,7 @@ def test_a_kernel_that_died_while_a_program_drove_is_no_program_that_drives(
     nb.python("threading.Timer(0.2, lambda: __import__('os').kill(__import__('os').getpid(), 9)).start()")
     says(nb, "no kernel in this page", "Stop reaches nothing; what the robot does is not known")
     expect(stop_of(nb)).to_have_text("Stop")
-    # JupyterLab says some time later, in a dialog over whatever notebook is open then, that the kernel starts again.
+    # JupyterLab reports some time later, in a dialog over the notebook then open, that the kernel restarts.
     nb.page.evaluate("window.driver.isSpoilt = true")
 
 

@@ -1,4 +1,4 @@
-"""Each widget brings a stylesheet of its own, and those of the others in the page change nothing of it."""
+"""Each widget brings its own stylesheet, and the stylesheets of other widgets in the page do not change it."""
 
 from __future__ import annotations
 
@@ -58,10 +58,10 @@ DIFFERENCES = """(card) => {
         looks.flatMap((value, j) => value === alone[i][j] ? [] : [
             `${elements[Math.floor(i / 3)].className}: ${names[j]} ${alone[i][j]} becomes ${value}`])));
 }"""
-"""What looks otherwise with the stylesheets of other widgets in the page, before a widget's own or after it."""
+"""The properties that change with the stylesheets of other widgets in the page, before or after a widget's own."""
 
 
-def test_a_widget_looks_the_same_whatever_stands_beside_it(plain_page: Callable[..., PlainPage]) -> None:
+def test_a_widget_looks_the_same_with_any_other_widgets_on_the_page(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([WIDGETS])
     for nth, kind in enumerate(2 * KINDS):
         expect(nb.widget(0, nth).locator(f".rw-{kind}")).to_be_visible()

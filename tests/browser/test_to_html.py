@@ -1,4 +1,4 @@
-"""A page in a file: opened from disk with the network cut, it plays, and shows and saves what was recorded."""
+"""A page in a file: opened from disk without a network, it plays, and shows and saves what was recorded."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ ALL_READ = """(names) => {
     return names.every((name) => there.includes(name));
 }"""
 MANY = 20
-"""Topics on a page of the test: each card that comes has all others laid out anew."""
+"""Topics on a page of the test: each new card makes the browser lay out all others again."""
 
 MARKS = [(12.0, 12.5, HOSTILE), (16.5, 16.5, "turn")]
 
@@ -53,13 +53,13 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def complaints() -> list[str]:
-    """What pages requested, said on the console, and asked people."""
+    """The requests, console messages and dialogs of pages."""
     return []
 
 
 @pytest.fixture
 def offline(browser: Browser, complaints: list[str]) -> Iterator[Callable[..., Page]]:
-    """Opens files without a network; after the test, no page has requested anything else, nor complained."""
+    """Open files without a network; after the test, check that no page has requested anything else, or complained."""
     contexts = []
 
     def open_file(file: Path, before: str = "", **options: Any) -> Page:
@@ -82,7 +82,7 @@ def offline(browser: Browser, complaints: list[str]) -> Iterator[Callable[..., P
 
 
 @pytest.mark.core
-def test_a_page_plays_and_its_numbers_are_those_of_the_recording(offline: Callable[..., Page], file: Path) -> None:
+def test_a_page_plays_and_its_numbers_match_the_recording(offline: Callable[..., Page], file: Path) -> None:
     page = offline(file, viewport={"width": 1280, "height": 800})
     laser, bar = page.locator(".rw-laser"), page.locator(".rw-player")
     expect(laser.locator(".rw-nearest")).to_contain_text("nearest")
@@ -268,7 +268,7 @@ def test_a_page_plays_in_firefox(file: Path, tmp_path: Path) -> None:
         # The laser draws its last scan in the frame after the clock's.
         text = browser.wait(f'return {nearest}.includes("[{near.index}]") && {nearest}')
         assert f"nearest {near.range:.2f} m" in text
-        # What the page has loaded beside itself.
+        # Files that the page has loaded in addition to itself.
         assert browser.run("return performance.getEntriesByType('resource').map((entry) => entry.name)") == []
         if PICTURES:
             browser.shoot(SCREENSHOTS / "to-html-firefox.png")
@@ -337,8 +337,8 @@ def test_a_page_of_every_type_there_is_shows_the_values(
 
 
 def shows_the_number(one: Sent, row: str, text: str) -> bool:
-    """Whether a row of a tree has a number; fails unless it is that of the first message."""
-    if " " in row:  # roll, pitch and yaw, which are worked out
+    """Return True if a row of a tree has a number; fail unless it is the number in the first message."""
+    if " " in row:  # roll, pitch and yaw, which are computed
         return False
     value = value_at(one.messages[0], row)
     number = NUMBER.match(text.replace("\N{MINUS SIGN}", "-"))
@@ -360,7 +360,7 @@ def test_a_print_has_all_pictures_on_white_without_buttons_and_leaves_the_screen
     }""")
     document = page.pdf(format="A4")
     assert min(page.evaluate("() => printed[0]")) >= 2.9, "sharp enough for paper"
-    # A canvas that is printed call by call clears those below: each is a picture of pixels.
+    # A canvas printed call by call clears those below: each is a picture of pixels.
     pixels = [int(width) for width in re.findall(rb"/Subtype /Image\s+/Width (\d+)", document)]
     assert sum(width > 1000 for width in pixels) >= 5, pixels
     assert not page.locator("html.rw-printing").count()

@@ -1,4 +1,4 @@
-"""The list of topics: what it shows, what a click, keys and a finger do, and how it stands beside the rest."""
+"""The list of topics: its rows, its reactions to click, keys and finger, and its place in the layout."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _asked(_front_end: None) -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The sample, and 26 topics of numbers, most of them in namespaces, of which one has an unknown type."""
+    """The sample, and 26 topics of numbers, most of them in namespaces, one of an unknown type."""
     names = [f"/{name}" for name in ("voltage", "charge", "<b>bold</b>")]
     names += [f"/camera/{name}" for name in ("exposure", "gain", "white_balance", "temperature", "shutter", "focus")]
     names += [f"/nav/{name}" for name in ("cost", "goal_distance", "local_costmap/raw_updates", "length", "retries")]

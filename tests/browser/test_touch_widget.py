@@ -1,4 +1,4 @@
-"""What a person sees and does with a touch widget."""
+"""The touch widget on a page."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def test_a_touch_is_seen_timed_counted_and_frozen(plain_page: Callable[..., Plai
     nb.page.keyboard.press("Space")
     shows(widget, "left", "free", "1 touch$")
     shows(second, "right", "touched")
-    # Python hears of it a moment after the page has shown it.
+    # Python receives it a moment after the page has shown it.
     told = "FREE {'left': 1, 'center': 0, 'right': 1}\n"
     eventually(lambda: nb.python("print(touch.states['left'].name, touch.touches)"), told)
 

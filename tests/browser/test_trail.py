@@ -29,7 +29,7 @@ laser
 
 
 def redness(card: Locator, x: float, y: float) -> float:
-    """How far a place is from the colour of the area to that of a reading, 0 to 1."""
+    """The colour at a position, from 0 (the area) to 1 (a reading)."""
     green = Picture(card).colour(x, y)[1]
     return (LIGHT["area"][1] - green) / (LIGHT["area"][1] - LIGHT["reading"][1])
 
@@ -50,7 +50,7 @@ def test_earlier_scans_fade_behind_the_one_on_show(plain_page: Callable[..., Pla
     eventually(shown, ["", "older", "newer", "reading"])
     footer = card.locator(".rw-footer")
     expect(footer).to_contain_text("trail of 2, scanner\u2019s frame")
-    # Frozen and stepped back, it is behind the scan on show; all in the page.
+    # Frozen and stepped back, it is behind the scan on show, all in the page.
     with nb.busy():
         card.locator(".rw-freeze").click()
         card.locator(".rw-picture").press(",")
@@ -61,7 +61,7 @@ def test_earlier_scans_fade_behind_the_one_on_show(plain_page: Callable[..., Pla
     nb.python("together(laser, path); show(1.0); laser.trail = 1; show(1.4); show(1.0, x=0.2)")
     eventually(shown, ["", "reading", "newer", ""])
     expect(footer).to_contain_text("trail of 1, by odometry")
-    # It counts the scans that are there: one, until more are placed; none where the page keeps none.
+    # It counts its scans: one, until more are placed; none if the page keeps none.
     nb.python("laser.trail = 60")
     expect(footer).to_contain_text("trail of 2, by odometry")
     nb.python("laser.history = 0; laser.trail = 1; show(1.1)")

@@ -1,4 +1,4 @@
-"""A scanner that stands turned on its robot: the card shows the robot's angles and says so; a click shows its own."""
+"""A scanner that is mounted turned: the card shows the robot's angles and a note; a click shows the scanner's own."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def test_lamps_of_all_states_fit_every_width(
     card, said = nb.widget(0).locator(".rw-card"), nb.widget(0).locator(".rw-lamps")
     expect(card.locator(".rw-lamp")).to_have_text(list(STATES))
     for name, state in STATES.items():
-        nb.python("laser.update(robot.scan())")  # of a silent source nothing is known
+        nb.python("laser.update(robot.scan())")  # the state of a silent source is unknown
         expect(card.locator(".rw-lamp", has_text=name)).to_have_attribute("data-rw-state", state)
     for width in (320, 400, 700):
         nb.resize(width)
@@ -97,7 +97,7 @@ def test_lit_marked_frozen_and_stepped_through(plain_page: Callable[..., PlainPa
         expect(said).to_contain_text(f"{text} ≥ 1.00 m")
     nb.page.keyboard.press("Space")
 
-    # Each step leads to the scan of a change, and freezes there.
+    # Each step leads to the scan of a change, and freezes it.
     back, forth = (card.get_by_role("button", name=f"wall: the {which}") for which in ("change before", "next change"))
     for state, text in (("false", "1.68 ≥ 1.00 m"), ("true", "0.80 < 1.00 m"), ("false", "1.68 ≥ 1.00 m")):
         back.click()
@@ -108,7 +108,7 @@ def test_lit_marked_frozen_and_stepped_through(plain_page: Callable[..., PlainPa
     expect(said).to_contain_text("0.80 < 1.00 m")
     card.locator(".rw-picture").press("Space")
 
-    # What raises is off, with its line; a name is removed with its lamp.
+    # A condition that raises is off, with its line; removing a name removes its lamp.
     nb.python("def broken(scan):\n    return 1 / 0\nlaser.watch(broken)\nlaser.unwatch('wall')\nlaser.update(**fan())")
     expect(card.locator(".rw-lamp")).to_have_count(1)
     expect(card.locator(".rw-lamp")).to_have_attribute("data-rw-state", "off")
@@ -167,7 +167,7 @@ def test_in_the_middle_of_an_endless_loop(plain_page: Callable[..., PlainPage]) 
         assert said.inner_text() == frozen
         card.locator(".rw-picture").press("Space")
         expect(name).to_have_attribute("data-rw-state", "true")
-    # A lamp is not older than its scan: nothing is known when no more come, also of one that is folded and unfolded.
+    # A lamp is not older than its scan: its state is unknown when scans stop, also after it is folded and unfolded.
     card.locator(".rw-title").hover()
     nb.python("laser.update(**fan())")
     place = locate(card)
@@ -213,7 +213,7 @@ def test_in_a_player_the_lamp_shows_the_verdict_on_the_scan_of_its_time(plain_pa
     expect(laser.locator(".rw-lamp-text")).to_contain_text("0.30 m")
     shoot(nb.output(0), "watch-player")
 
-    # Frozen, and after steps, it keeps the verdict on its own scan, wherever the player goes.
+    # Frozen, and after steps, it keeps the verdict on its own scan, whatever the time of the player.
     freeze, now = laser.locator(".rw-freeze"), nb.output(0).locator(".rw-play-now")
     for button in (freeze, nb.output(0).get_by_role("button", name="One scan on (.)")):
         button.click()

@@ -1,4 +1,4 @@
-"""The wires of a robot on the page: boxes and wires, what they say, folding, filtering, freezing, and who looks."""
+"""The wires of a robot on the page: boxes and wires, texts, folding, filtering, freezing, and which pages look."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""A fourth kind of sensor, added as any other is: a sample, a reader, a widget with its front end, and one row."""
+"""A fourth kind of sensor, added like any other: a sample, a reader, a widget with its front end, and one row."""

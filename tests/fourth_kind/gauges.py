@@ -1,4 +1,4 @@
-"""Numbers of which several share one widget: what a row adds to that of a single topic."""
+"""Numbers that share one widget: what their row adds to the row of a single topic."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class GaugesWidget(RobotWidget[Numbers]):
     sample_name = "gauges"
 
     def update(self, sensor: Any, message: Any = None) -> None:
-        """Show the number of a sensor, or those of all."""
+        """Show the number of a sensor, or the numbers of all."""
         try:
             if isinstance(sensor, Numbers):
                 self._show(sensor, self.frame_of(sensor)[0])
@@ -60,7 +60,7 @@ class GaugesWidget(RobotWidget[Numbers]):
 
     @property
     def gauges(self) -> Numbers | None:
-        """Those on show."""
+        """The numbers on show."""
         return self._newest.sample
 
     def frame_of(self, sample: Numbers) -> tuple[dict[str, Any], bytes]:
@@ -72,7 +72,7 @@ class GaugesWidget(RobotWidget[Numbers]):
 
 
 def simulated(robot: Robot) -> list[Offer]:
-    """What the simulated robot sends: where it is."""
+    """The topics of the simulated robot, and the position of the robot."""
     return [
         Offer("/tank/left", FLOAT64, lambda: Number(robot.pose.x)),
         Offer("/tank/right", FLOAT64, lambda: Number(robot.pose.y)),
@@ -95,7 +95,7 @@ GAUGE = replace(
 
 @contextmanager
 def added() -> Iterator[Kind]:
-    """Have gauges in the table of kinds for a while."""
+    """Add gauges to the table of kinds for a while."""
     before = dict(KINDS)
     kinds.add(GAUGE)
     try:

@@ -23,7 +23,7 @@ class Number(HasAge):
 
 
 def to_number(message: Any) -> Number:
-    """The number in a Float64, or in a String like "1.5 m"; a `Number` is returned as it is.
+    """Return the number in a Float64, or in a String like "1.5 m"; return a `Number` as it is.
 
     Raises:
         TypeError: it is no such message, or a String of other words.
@@ -58,7 +58,7 @@ NUMBER = Kind(
 
 @contextmanager
 def added() -> Iterator[Kind]:
-    """Have numbers in the table of kinds for a while."""
+    """Add numbers to the table of kinds for a while."""
     before = dict(KINDS)
     kinds.add(NUMBER)
     try:

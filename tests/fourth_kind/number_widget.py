@@ -23,7 +23,7 @@ class NumberWidget(RobotWidget[Number]):
     """The newest number with its unit, in large type."""
 
     _esm, _css = "export default {}", ""
-    """In place of the front end that `build` makes, which needs Node."""
+    """Replaces the front end that `build` makes, which needs Node."""
 
     def update(self, message: Any) -> None:
         """Show a number in the next animation frame."""
@@ -36,7 +36,7 @@ class NumberWidget(RobotWidget[Number]):
 
     @property
     def number(self) -> Number | None:
-        """The number on show: the frozen one while paused, else the newest; None before the first."""
+        """The number on show: the frozen one while paused, else the newest, or None before the first."""
         return self._sample_on_show()
 
     def frame_of(self, sample: Number) -> tuple[dict[str, Any], bytes]:
@@ -51,7 +51,7 @@ class NumberWidget(RobotWidget[Number]):
 
 
 def build(folder: Path) -> tuple[Any, Any]:
-    """Script and stylesheet of the widget, built into a folder by the project's own build."""
+    """Build the script and stylesheet of the widget into a folder, with the project's own build."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     command = ["node", "build.mjs", str(Path(__file__).parent / "js"), str(folder)]
     subprocess.run(command, cwd=JS, env={**os.environ, "PATH": path}, check=True)

@@ -1,4 +1,4 @@
-"""Widgets that topics have where they are asked for: of any message, of one type, and of fields of several topics."""
+"""Widgets of topics on request: of any message, of one type, and of fields of several topics."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class AnyWidget(RobotWidget[Came]):
 
     @property
     def message(self) -> Any:
-        """The one on show."""
+        """The message on show."""
         return self._newest.sample and self._newest.sample.messages[""]
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
@@ -115,7 +115,7 @@ FIELDS = OnDemandWidget(name="lines", widget="tests.fourth_kind.on_demand:Fields
 
 @contextmanager
 def added() -> Iterator[None]:
-    """Have these rows in the table for a while, and no others that are asked for."""
+    """Add these rows to the table for a while, without any other on-request rows."""
     before = dict(ON_DEMAND)
     ON_DEMAND.clear()
     try:

@@ -1,4 +1,4 @@
-"""A real ROS 1: a master and publishers, each a process of its own, as the system's packages bring them."""
+"""A real ROS 1: a master and publishers, each in its own process, from the packages of the system."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 from ..unit.waiting import wait_for
 
-# A feed publishes in this process, where a test sees it; one test has a guard all the same.
+# A feed publishes in this process, where a test observes it; one test uses a guard all the same.
 os.environ.setdefault("ROBOWIDGETS_GUARD", "off")
 
 PYTHON = "/usr/bin/python3"
@@ -22,7 +22,7 @@ PUBLISHER = Path(__file__).with_name("publisher.py")
 
 
 class Master:
-    """The one rosmaster of a process, which has one rospy node, and that one master."""
+    """The only rosmaster of a process: the process has one rospy node, tied to one master."""
 
     def __init__(self) -> None:
         with socket.socket() as free:
@@ -52,7 +52,7 @@ class Master:
 
 @pytest.fixture(scope="session")
 def master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Master]:
-    # At the end: what Debian brings must not come before what the venv holds.
+    # At the end of the path: Debian's packages must not come before the packages of the venv.
     sys.path.append(PACKAGES)
     reason = "no ROS 1 here: scripts/ros1.sh installs it on Debian and Ubuntu"
     for module in ("rospy", "rosmaster", "sensor_msgs.msg", "geometry_msgs.msg", "nav_msgs.msg"):
@@ -68,7 +68,7 @@ def master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Master]:
 
 @pytest.fixture
 def publish(master: Master) -> Iterator[Callable[..., subprocess.Popen[str]]]:
-    """`publish(topic, what, number, NAME="value")` starts publisher.py, with that in its environment."""
+    """`publish(topic, what, number, NAME="value")` starts publisher.py, with NAME in its environment."""
     started: list[subprocess.Popen[str]] = []
 
     def start(topic: str, what: str, number: int = 5, **environ: str) -> subprocess.Popen[str]:

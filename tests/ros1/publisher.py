@@ -27,7 +27,7 @@ MEGABYTES = 100
 
 
 class SmallSocket(socket.socket):
-    """Its receive buffer takes some ten speeds. The system's own takes 1500, or 6000 on a busy machine."""
+    """Its receive buffer holds about ten speeds. The system's default holds 1500, or 6000 on a busy machine."""
 
     def connect(self, address):
         self.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
@@ -48,7 +48,7 @@ class Sweep(LaserScan):
 
 
 class Huge(Sweep):
-    def serialize(self, buff):  # rospy's own takes a number of Python for each
+    def serialize(self, buff):  # rospy's own needs a Python object for each number
         ranges, self.ranges = self.ranges, []
         super().serialize(buff)
         self.ranges = ranges
@@ -82,7 +82,7 @@ def after_refusing(publisher):
     print("ready", flush=True)
     refused.wait()
     publisher.unregister()
-    time.sleep(1.0)  # the subscriber asks after half a second whether this is a publisher still
+    time.sleep(1.0)  # after half a second the subscriber asks again whether this is still a publisher
     return rospy.Publisher(topic, kind, queue_size=1)
 
 

@@ -1,4 +1,4 @@
-"""ROS 1: against a real master, and publishers in processes of their own."""
+"""ROS 1, against a real master and publishers in their own processes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .conftest import PACKAGES, PYTHON
 
 STAMPED = "geometry_msgs/msg/TwistStamped"
 
-MODULE = importlib.import_module("robowidgets.feeds.ros1")  # by its name there is the function in it
+MODULE = importlib.import_module("robowidgets.feeds.ros1")  # under its name the package has the function in it
 
 
 @pytest.fixture
@@ -51,7 +51,7 @@ def feed(quick) -> Iterator[feeds.Feed]:
 
 
 class Told(Ears):
-    """Keeps all that was told of who does not hear."""
+    """Keeps all reports about topics without a subscriber."""
 
     def on_unheard(self, topic: str, reason: str) -> None:
         if self.unheard.get(topic, "") != reason:
@@ -91,7 +91,7 @@ def middleware(quick) -> Iterator[Opened]:
 
 
 def memory() -> int:
-    """Bytes that this process holds."""
+    """The memory of this process, in bytes."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
@@ -138,7 +138,7 @@ def test_a_publisher_that_was_killed_and_comes_back_is_heard_again(feed, publish
     wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
 
 
-def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_told(feed, publish):
+def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_reported(feed, publish):
     laser = LaserWidget()
     feed.connect("/far/scan", laser)
     publish("/far/scan", "scan", ROS_HOSTNAME="robot.invalid")
@@ -216,7 +216,7 @@ def test_a_topic_that_changes_its_type_is_heard_as_what_it_is_now(feed, publish)
 
 
 @pytest.mark.parametrize("what", ["cut", "cut_sweep"])
-def test_messages_that_cannot_be_read_are_told_and_the_next_good_one_is_shown(feed, publish, what):
+def test_messages_that_cannot_be_read_are_reported_and_the_next_good_one_is_shown(feed, publish, what):
     laser, topic = LaserWidget(), f"/six/{what}"
     feed.connect(topic, laser)
     publisher = publish(topic, what)
@@ -251,7 +251,7 @@ def test_a_message_of_100_mb_is_refused_in_words_and_holds_up_no_other_topic(fee
     wait_for(lambda: memory() < before + 150e6, "the memory is given back")
 
 
-def test_two_publishers_with_different_geometry_are_told(feed, publish):
+def test_two_publishers_with_different_geometry_are_reported(feed, publish):
     laser = LaserWidget()
     feed.connect("/seven/scan", laser)
     publish("/seven/scan", "scan", 5)
@@ -266,7 +266,7 @@ class Robot(NamedTuple):
 
 @pytest.fixture
 def robot(publish) -> Iterator[Callable[[str], Robot]]:
-    """`robot(topic)` starts one that listens, in a process of its own."""
+    """`robot(topic)` starts a robot that listens, in its own process."""
     started: list[tuple[Robot, threading.Thread]] = []
 
     def start(topic: str) -> Robot:
@@ -283,7 +283,7 @@ def robot(publish) -> Iterator[Callable[[str], Robot]]:
 
 
 def driven(feed: feeds.Feed, topic: str, hold: float = 60.0) -> None:
-    """Have a feed drive by a topic, once somebody listens to it."""
+    """Make a feed drive by a topic, once it has a subscriber."""
     feed.driving = feeds.Driving(topic, hold=hold)
     wait_for(lambda: any(there.name == topic and there.wanted for there in feed.topics), "it is listened to")
 
@@ -306,7 +306,7 @@ def test_the_first_stop_is_heard(feed, robot):
     assert heard[0] == 0.0
 
 
-def test_a_robot_that_comes_later_hears_nothing_of_what_was_sent_before(middleware, robot):
+def test_a_robot_that_comes_later_does_not_receive_earlier_speeds(middleware, robot):
     wait_for(lambda: middleware.told.topics is not None, "the topics are known")
     with pytest.raises(
         FeedError, match="cannot publish geometry_msgs/TwistStamped on /late/cmd_vel: it has no subscriber"
@@ -367,7 +367,7 @@ def test_a_publisher_stays_when_its_feed_is_closed_so_that_no_robot_is_ever_refu
 
 
 def test_a_topic_that_is_listed_has_its_type_though_it_appeared_a_moment_ago(feed, monkeypatch):
-    """Without the type a robot would get a publisher of another one, and refuse it."""
+    """Without the type, a robot would get a publisher of another type, and refuse it."""
     call, uri = _ros1_master._call, os.environ["ROS_MASTER_URI"]
 
     def called(*given: Any, **caller: str) -> Any:
@@ -387,7 +387,7 @@ def test_a_topic_that_is_listed_has_its_type_though_it_appeared_a_moment_ago(fee
         call(uri, "unregisterSubscriber", "/now/cmd_vel", "http://127.0.0.1:1")
 
 
-def test_a_robot_that_was_refused_is_told_of_and_asked_again_until_it_connects(middleware, robot, monkeypatch):
+def test_a_refused_robot_is_reported_and_asked_again_until_it_connects(middleware, robot, monkeypatch):
     import rospy.impl.tcpros_base
 
     refused = []
@@ -435,7 +435,7 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
     wait_for(lambda: other.heard[-1] == last - 1, "the other robot hears all the same")
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 1000.0)
     middleware.publish(topic, last)  # a speed does not wait for it
-    limit = 3.0  # a busy machine stands still for long
+    limit = 3.0  # a busy machine may pause for long
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", limit)
     wait_for(lambda: other.heard[-1] == last, "the other robot hears it")
     started = time.monotonic()
@@ -485,7 +485,7 @@ def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middlew
         master.start()
 
 
-def test_a_guard_drives_on_without_a_master_and_is_no_other_publisher(monkeypatch, robot, master):
+def test_a_guard_drives_on_without_a_master_and_is_not_another_publisher(monkeypatch, robot, master):
     monkeypatch.setattr(_driver, "OFF", False)
     there = robot("/kept/cmd_vel")
     with feeds.ros1() as feed:
@@ -581,7 +581,7 @@ def test_a_publisher_of_speeds_that_was_killed_is_named_no_longer_and_holds_up_n
         f"rospy.Publisher({topic!r}, TwistStamped, queue_size=1); print('ready', flush=True); time.sleep(600)"
     )
     other = subprocess.Popen([PYTHON, "-c", script], stdout=subprocess.PIPE, text=True)
-    with socket.create_server(("127.0.0.1", 0)) as silent:  # it may be there, and takes its time
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # it may exist, but take time to answer
         known = _ros1_master.Master(f"http://127.0.0.1:{master.port}")
         address = f"http://127.0.0.1:{silent.getsockname()[1]}"
         try:
@@ -614,7 +614,7 @@ def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish
     wait_for(lambda: wire("/wired/scan").rate, "its rate is known")
     (lidar,) = wire("/wired/scan").publishers
     assert lidar.startswith("/scan_")
-    # Our own node takes it, too, and is no node of the robot.
+    # Our own node receives it, too, and is not a node of the robot.
     assert wire("/wired/scan").subscribers == ()
     wait_for(lambda: wire("/wired/cmd_vel"), "the robot listens")
     (base,) = wire("/wired/cmd_vel").subscribers
@@ -624,7 +624,7 @@ def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish
     widget.close()
 
 
-def test_an_error_of_any_kind_is_told_and_it_is_tried_again(feed, monkeypatch):
+def test_an_error_of_any_kind_is_reported_and_it_is_tried_again(feed, monkeypatch):
     wait_for(lambda: not feed.status, "it is connected")
     with monkeypatch.context() as patch:
         patch.setattr(feed.connection.middleware, "_adverts_of", lambda state: state["odd"])
@@ -689,18 +689,18 @@ def test_a_hundred_opens_and_closes_leave_nothing_behind(feed, publish):
         laser.close()
 
     def in_use():
-        gc.collect()  # rospy leaves what it polls its sockets with to the collector
+        gc.collect()  # rospy leaves the poll objects of its sockets to the garbage collector
         return threading.active_count(), len(os.listdir("/proc/self/fd"))
 
     once()
     before = in_use()
     for _ in range(100):
         once()
-    # The master's own connections to the node come and go; one left by each opening would be 100.
+    # The master's own connections to the node come and go; one leaked by each opening would be 100.
     wait_for(lambda: all(now < then + 8 for now, then in zip(in_use(), before, strict=True)), "no more are in use")
 
 
-def test_a_plain_subscriber_feeds_a_widget_from_its_own_thread_beside_a_feed(feed, publish):
+def test_a_plain_subscriber_feeds_a_widget_from_its_own_thread_next_to_a_feed(feed, publish):
     import rospy
     from sensor_msgs.msg import LaserScan
 
@@ -713,7 +713,7 @@ def test_a_plain_subscriber_feeds_a_widget_from_its_own_thread_beside_a_feed(fee
     subscriber.unregister()
 
 
-def test_a_master_that_does_not_answer_is_told_of_and_holds_up_nobody(master, monkeypatch):
+def test_a_master_that_does_not_answer_is_reported_and_delays_nothing(master, monkeypatch):
     monkeypatch.setattr("robowidgets.feeds._ros1_master.TIMEOUT", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{silent.getsockname()[1]}")
@@ -742,7 +742,7 @@ def test_without_rospy_a_feed_says_how_to_get_it(monkeypatch):
         feeds.ros1()
 
 
-def test_a_process_whose_rospy_was_shut_down_is_told_to_restart(master):
+def test_a_process_whose_rospy_was_shut_down_has_to_restart(master):
     script = f"""
 import sys
 sys.path.append({PACKAGES!r})

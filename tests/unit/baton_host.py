@@ -1,4 +1,4 @@
-"""Stacks that are put aside, as a browser does it, in CPython: threads of which one runs at a time, and hands on."""
+"""Stacks that are put aside, as in a browser, emulated in CPython: threads that hand over, so that only one runs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class BatonHost:
         self._back = _thread.allocate_lock()
         self._back.acquire()
         self._idle: list[tuple[_thread.LockType, list[Any]]] = []
-        """Threads without a stack: what wakes each, and what it is to call."""
+        """Threads without a stack: the events that wake each, and its function."""
 
     def can_wait(self) -> bool:
         return _thread.get_ident() != self._main
@@ -62,7 +62,7 @@ class BatonHost:
             raise raised[0]
 
     def hand_to(self, go: Callable[[], object]) -> None:
-        """Have a stack go on, until it returns or waits. Called by the loop."""
+        """Continue a stack, until it returns or waits. Called by the loop."""
         go()
         self._back.acquire()
 
@@ -99,7 +99,7 @@ class _Loop(asyncio.SelectorEventLoop):
 
     def call_later(self, delay: float, callback: Any, *args: Any, context: Any = None) -> Any:
         if delay < 0:
-            raise ValueError("Can't schedule in the past")  # as unkind as that of Pyodide
+            raise ValueError("Can't schedule in the past")  # as unforgiving as the loop of Pyodide
         return super().call_at(self.time() + delay, self._host.call, callback, *args, context=context)
 
     def call_at(self, when: float, callback: Any, *args: Any, context: Any = None) -> Any:

@@ -18,14 +18,14 @@ T = TypeVar("T")
 class ManualClock:
     """A clock that stands still until `advance`, which returns when all threads that it knows wait again or have ended.
 
-    It knows the threads that it was told of, and those that have ever waited by it. One that hangs elsewhere, as in a
-    function that a test gates, is named in `hangs`.
+    It knows the threads that it started, and threads that have ever waited by it. One that hangs elsewhere, as in a
+    function that a test gates, has to be named in `hangs`.
     """
 
     def __init__(self, start: float = 1000.0) -> None:
         self._now = start
         self.asleep = 0.0
-        """Seconds for which the computer slept, while the time stood still."""
+        """Seconds that the computer slept, while the time stood still."""
         self._lock = threading.RLock()
         self._rests = threading.Condition(self._lock)
         self._waits: list[tuple[float, int, Any, threading.Thread]] = []
@@ -42,8 +42,8 @@ class ManualClock:
         self.signal().wait_until(self._now + seconds)
 
     def set(self, now: float) -> None:
-        """Set the time where no thread waits by this clock."""
-        assert not self._waits, "advance() wakes who waits"
+        """Set the time while no thread waits by this clock."""
+        assert not self._waits, "advance() wakes the waiting threads"
         self._now = now
 
     def signal(self) -> _Signal:
@@ -73,7 +73,7 @@ class ManualClock:
             loop.close()
 
     def enter(self, when: float | None, what: Any) -> bool:
-        """Note that the calling thread waits for this; False if the time is there already."""
+        """Note that the calling thread waits for this time; return False if the time has passed already."""
         with self._lock:
             if when is not None and when <= self._now:
                 return False
@@ -84,14 +84,14 @@ class ManualClock:
             return True
 
     def wakes(self, what: Any) -> None:
-        """Those that wait for this are at work from now on."""
+        """Note that the threads that wait for this run again from now on."""
         with self._lock:
             for entry in [entry for entry in self._waits if entry[2] is what]:
                 self._waits.remove(entry)
                 self._awake.add(entry[3])
 
     def advance(self, seconds: float = 0.0, hangs: tuple[str, ...] = ()) -> None:
-        """Let time pass, from one wait that is over to the next; `hangs`: names of threads that are not waited for."""
+        """Advance the time, from one wait that ends to the next; `hangs` names threads that are not waited for."""
         end = self._now + seconds
         while True:
             self.settle(hangs)
@@ -104,7 +104,7 @@ class ManualClock:
             due[2].wake()
 
     def stand_still(self, seconds: float, hangs: tuple[str, ...] = ()) -> None:
-        """Let time pass while the process stands still: whoever waits is late, each by as much."""
+        """Advance the time while the process stands still: all waiting threads wake late, by the same time."""
         self.settle(hangs)
         with self._lock:
             self._now += seconds
@@ -117,7 +117,7 @@ class ManualClock:
             self._awake.discard(threading.current_thread())
             while busy := [thread.name for thread in self._awake if thread.is_alive() and thread.name not in hangs]:
                 assert time.monotonic() < until, f"{busy} did not wait again"
-                self._rests.wait(0.005)  # one that ends notifies nobody
+                self._rests.wait(0.005)  # a thread that ends notifies no other
             self._awake = {thread for thread in self._awake if thread.is_alive()}
 
 
@@ -172,7 +172,7 @@ class _Loop(asyncio.SelectorEventLoop):
         self._write_to_self()
 
     def run_in_executor(self, _: Any, func: Any, *args: Any) -> asyncio.Future[Any]:
-        """Call it here and now: no time passes while a name is looked up."""
+        """Call it at once in this thread: no time passes during a name lookup."""
         future: asyncio.Future[Any] = self.create_future()
         try:
             future.set_result(func(*args))
@@ -187,7 +187,7 @@ class _Loop(asyncio.SelectorEventLoop):
         super()._write_to_self()
 
     def may_rest(self) -> bool:
-        """Whether it is to wait for a socket, a call of another thread, or the time of its next timer."""
+        """True while it waits for a socket, a call of another thread, or the time of its next timer."""
         with self._lock:
             is_poked, self._is_poked = self._is_poked, False
             return not is_poked and self._clock.enter(self._scheduled[0].when() if self._scheduled else None, self)

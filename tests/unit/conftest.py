@@ -1,4 +1,4 @@
-"""What every unit test may ask for, and what none may leave behind."""
+"""Fixtures for every unit test, and checks that no test leaves anything behind."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from robowidgets.widget.pacer import Pacer  # noqa: E402
 lock_order.note_calls()
 
 KEPT = {"robowidgets-pacer", "robowidgets-rerun", "robowidgets-timer"}
-"""Threads that a process has once, to its end."""
+"""Threads that exist once in a process, to its end."""
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the files that take longest: a process that gets one at the end works while the others are done."""
+    """Start with the files that take longest, so that no process ends with a long one while the others are done."""
     takes: Counter[Path] = Counter()
     for item in items:
         takes[item.path] += 20 if item.get_closest_marker("slow") else 1
@@ -34,7 +34,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture
 def pacer() -> Iterator[Pacer]:
-    """A pacer of the test's own, with a thread; when the test is over, it sends for nobody any more."""
+    """A pacer of the test's own, with a thread; it sends nothing more after the test."""
     pacer = Pacer()
     yield pacer
     with pacer._turn:
@@ -44,7 +44,7 @@ def pacer() -> Iterator[Pacer]:
 
 @pytest.fixture
 def kernel_sends(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the kernel send speeds by itself, without a guard: the test sees and steers what this process publishes."""
+    """Make the kernel send speeds itself, without a guard: the test controls what this process publishes."""
     from robowidgets.feeds import _driver
 
     monkeypatch.setattr(_driver, "OFF", True)
@@ -52,22 +52,22 @@ def kernel_sends(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def no_added_definitions(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Only our own definitions of messages are known; those that the test adds are forgotten with it."""
+    """Reset the message definitions to our own: definitions that a test adds are forgotten with it."""
     monkeypatch.setattr(definitions, "_added", {})
     monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
     yield
-    definitions.add({})  # so that what was found is looked for anew
+    definitions.add({})  # so that definitions are looked up again
 
 
 @pytest.fixture(autouse=True)
 def _ends_what_it_starts() -> Iterator[None]:
-    """Fail a test that leaves behind what would log into another test: a sender that fails, a thread of a feed."""
+    """Fail a test that leaves behind what would log into another test: a failing sender, or a thread of a feed."""
     before = {*threading.enumerate()}
     yield
     failing = [sender for sender in list(_pacer.pacer._due) if id(sender) in _pacer.pacer._failures]
     for sender in failing:
         _pacer.pacer.forget(sender)
-    assert not failing, "these go on failing to be sent after the test"
+    assert not failing, "these still failed to be sent after the test"
     started = [thread for thread in threading.enumerate() if thread not in before and thread.name not in KEPT]
     for thread in started:
         if thread.name.startswith("robowidgets"):

@@ -16,13 +16,13 @@ PAGE = Path(__file__).parents[2] / "docs" / "developers" / "threads.md"
 _make = {"Lock": threading.Lock, "RLock": threading.RLock}
 _held = threading.local()
 edges: dict[tuple[str, str], str] = {}
-"""For each pair of locks that one thread held at once, outer first, the thread that was the first to do so."""
+"""For each pair of locks that one thread held at once, outer first, the first thread that did so."""
 calls: dict[tuple[str, str], str] = {}
-"""For each lock and what was called under it, though that may be code of a user, the thread that did so first."""
+"""For each lock, and each observer or user function called under it, the first thread that did so."""
 
 
 class NotedLock:
-    """A lock of ours by its name, which is that of its class and its attribute; as such it may be in a condition."""
+    """A lock of ours with its name, made of its class and its attribute; it may be in a condition."""
 
     __slots__ = ("_lock", "_name")
 
@@ -40,14 +40,14 @@ class NotedLock:
         held = _names()
         if held and held[-1] == self._name:
             held.pop()
-        elif self._name in held:  # else another thread releases it, as a signal
+        elif self._name in held:  # otherwise another thread releases it, as a signal
             held.reverse()
             held.remove(self._name)
             held.reverse()
 
     def __enter__(self) -> bool:
         self._lock.acquire()
-        if not sys._getframe(1).f_globals["__name__"].startswith("tests."):  # one holds it to keep a thread out
+        if not sys._getframe(1).f_globals["__name__"].startswith("tests."):  # one is held to keep a thread out
             self._note()
         return True
 
@@ -57,7 +57,7 @@ class NotedLock:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._lock, name)
 
-    # -- what a condition calls on an RLock that is waited with: it is free meanwhile ----------------------------------
+    # -- called by a condition on an RLock that is waited with: it is free meanwhile -----------------------------------
 
     def _release_save(self) -> Any:
         held = _names()
@@ -89,7 +89,7 @@ def _names() -> list[str]:
 
 
 class _Noted:
-    """Makes locks, those of robowidgets noted. As an attribute of a class, unlike a function, it gets no self."""
+    """Makes locks, noting those for robowidgets. As an attribute of a class, unlike a function, it gets no self."""
 
     def __init__(self, kind: str) -> None:
         self._make = _make[kind]
@@ -108,7 +108,7 @@ class _Noted:
 
 
 def _owner(frame: FrameType) -> str:
-    """The name of the class whose method runs, also where the object is of a subclass; empty outside of methods."""
+    """The class name of the running method, also for an object of a subclass, or empty outside of methods."""
     owner = frame.f_locals.get("self")
     for one in type(owner).__mro__ if owner is not None else ():
         if getattr(vars(one).get(frame.f_code.co_name), "__code__", None) is frame.f_code:
@@ -117,12 +117,12 @@ def _owner(frame: FrameType) -> str:
 
 
 def _on_collection(phase: str, _info: object) -> None:
-    """While the garbage collector runs, which may close a widget under any lock, nothing is noted in its thread."""
+    """Note nothing in a thread while it collects garbage, which may close a widget under any lock."""
     _held.collects = phase == "start"
 
 
 def install() -> bool:
-    """Have robowidgets make locks that are noted; returns False, and does nothing, if it is imported already."""
+    """Make robowidgets create noted locks; return False, and do nothing, if it is imported already."""
     if "robowidgets" in sys.modules:
         return False
     gc.callbacks.append(_on_collection)
@@ -131,7 +131,7 @@ def install() -> bool:
 
 
 def note_calls() -> None:
-    """Note the locks under which observers, and functions of users, are called. It imports robowidgets."""
+    """Note the locks under which observers and user functions are called. It imports robowidgets."""
     import traitlets
 
     from robowidgets.runtime.runner import Runner
@@ -172,7 +172,7 @@ def _note_call(what: str) -> None:
 
 
 _OURS = {"observers of a CommandWatchdog", "observers of a Connection"}
-"""Those that a message of a pad may reach, all of which are ours."""
+"""The locks that a message of a pad may reach, all of them ours."""
 
 
 def listed() -> list[str]:
@@ -181,14 +181,14 @@ def listed() -> list[str]:
 
 
 class Checked:
-    """The order of locks that was noted, from one check to the next."""
+    """The noted order of locks, from one check to the next."""
 
     def __init__(self) -> None:
         self._place = {name: place for place, name in enumerate(listed())}
         self._edges = self._calls = 0
 
     def problems(self) -> list[str]:
-        """What was noted since the last check and the page does not allow."""
+        """The violations of the page that were noted since the last check."""
         if (len(edges), len(calls)) == (self._edges, self._calls):
             return []
         new, called = list(edges.items())[self._edges :], list(calls.items())[self._calls :]
@@ -200,7 +200,7 @@ class Checked:
 
 
 def problems_of(noted: Any) -> list[str]:
-    """The pairs of locks, each with the thread that took them, that the page does not allow."""
+    """The pairs of locks that the page does not allow, each with the thread that took them."""
     place = {name: number for number, name in enumerate(listed())}
     return [
         f"{thread} takes {inner} while it holds {outer}"
@@ -210,6 +210,6 @@ def problems_of(noted: Any) -> list[str]:
 
 
 def write(path: Path) -> None:
-    """Write the edges, and the threads that are alive now."""
+    """Write the edges, and the threads that are alive."""
     threads = sorted({thread.name for thread in threading.enumerate() if thread.name.startswith("robowidgets")})
     path.write_text(json.dumps({"edges": sorted([*pair, who] for pair, who in edges.items()), "threads": threads}))

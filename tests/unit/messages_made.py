@@ -1,4 +1,4 @@
-"""Messages of any type as the libraries have them, for tests."""
+"""Messages of any type in the classes of the libraries, for tests."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robowidgets.messages.decoding import store_of
 
 
 def made(type_name: str, **fields: Any) -> Any:
-    """A message as rosbags has it."""
+    """A message in the class of rosbags."""
     return store_of(Channel(0, "", type_name, "cdr", "", 0)).types[type_name](**fields)
 
 
@@ -29,7 +29,7 @@ def vector(x: float, y: float, z: float) -> Any:
 
 
 class Sent:
-    """What the page got of a message: the nodes and the value of each field, by its path."""
+    """The part of a message that the page received: the nodes and the value of each field, by its path."""
 
     def __init__(self, about: dict[str, Any], packed: bytes) -> None:
         self.about, self.packed = about, packed
@@ -47,14 +47,14 @@ class Sent:
             self._enter(node.get("children", []), value if "children" in node else [], path)
 
     def array(self, path: str) -> Any:
-        """The numbers of an array as the page reads them; None where they were not sent."""
+        """The numbers of an array as the page reads them, or None if they were not sent."""
         count, *_, place = self.values[path]
         kind = np.dtype(self.nodes[path]["type"]).newbyteorder("<")
         return None if place < 0 else np.frombuffer(self._numbers, kind, count, place)
 
 
 def sent(message: Any, **options: Any) -> Sent:
-    """What the page of a new widget gets of a message."""
+    """The message data in the page of a new widget."""
     widget = MessageWidget(**options)
     try:
         widget.update(message)

@@ -1,4 +1,4 @@
-"""A page without a browser: it takes what a widget sends, as JupyterLab would."""
+"""A page without a browser: it receives the messages of a widget, as JupyterLab would."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ipywidgets.widgets.widget import _put_buffers
 
 
 class Page:
-    """Stands in for a widget's comm, and keeps the messages and the state that they amount to."""
+    """Stands in for a widget's comm, and keeps the messages and the resulting state."""
 
     def __init__(self, widget: Widget) -> None:
         self.state: dict[str, Any] = widget.get_state()
@@ -36,7 +36,7 @@ class Page:
         self.threads.append(threading.current_thread().name)
 
     def sent(self, name: str) -> list[Any]:
-        """Every value of a trait that came, in order."""
+        """Every received value of a trait, in order."""
         return [message[name] for message in self.messages if name in message]
 
     def on_msg(self, callback: object) -> None:

@@ -1,4 +1,4 @@
-"""What a pacer sends for, and a pacer whose time a test lets pass."""
+"""Senders for a pacer, and a pacer whose time a test advances."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Sender:
 
 
 class Restless(Sender):
-    """Has something newer whenever it was sent: a source that floods."""
+    """Has a newer value after each send: a source that floods."""
 
     def __init__(self, pacer: Pacer, **more: object) -> None:
         super().__init__(**more)
@@ -44,7 +44,7 @@ class Restless(Sender):
 
 
 class Failing(Sender):
-    """Raises its error instead of sending, as long as it has one; notes the time of each try."""
+    """Raises its error instead of sending, while it has one; notes the time of each try."""
 
     error: BaseException | None = OSError("the wire is cut")
 
@@ -70,7 +70,7 @@ class Gated(Sender):
 
 
 class ByHand(Pacer):
-    """A pacer without a thread, whose time passes when the test says so."""
+    """A pacer without a thread, whose time passes on demand."""
 
     def __init__(self) -> None:
         self._time = ManualClock()
@@ -88,10 +88,10 @@ class ByHand(Pacer):
         pass
 
     def run(self, seconds: float) -> None:
-        """What the thread does, for some seconds of its clock."""
+        """Act as the thread does, for some seconds of its clock."""
         end = self.now + seconds
         while (wait := self._send_one()) is not None and self.now + wait <= end:
-            # Floating point may end a wait a hair early, as a real clock may.
+            # Floating point may end a wait a little early, as a real clock may.
             self.now += max(wait, 1e-9)
         self.now = end
 

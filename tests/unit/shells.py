@@ -9,14 +9,14 @@ from IPython.core.interactiveshell import InteractiveShell
 
 
 class Shell(InteractiveShell):  # type: ignore[misc]
-    """One with nothing but the members that a test gives it."""
+    """A shell with only the members that a test gives it."""
 
     def __init__(self, **members: Any) -> None:
         vars(self).update(members)
 
 
 def put_in_place(monkeypatch: pytest.MonkeyPatch, **members: Any) -> Shell:
-    """Have IPython say that this shell runs the cells."""
+    """Make IPython report this shell as the one that runs the cells."""
     shell = Shell(**members)
     monkeypatch.setattr("IPython.get_ipython", lambda: shell)
     return shell

@@ -1,4 +1,4 @@
-"""What a message says, in one line."""
+"""A message in one line."""
 
 from __future__ import annotations
 

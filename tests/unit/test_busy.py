@@ -1,4 +1,4 @@
-"""A program that computes without a pause leaves the widgets' threads their turns."""
+"""A program that computes without a pause leaves the widgets' threads time to run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who reads an error: in a real kernel, where a cell, its tasks, timers, threads and buttons all call."""
+"""The reader of an error: in a real kernel, where a cell, its tasks, timers, threads and buttons all call."""
 
 from __future__ import annotations
 
@@ -73,8 +73,8 @@ TEXT = "angle_min: expected a finite number of radians, got nan"
 
 @pytest.fixture(scope="module")
 def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
-    """What each cell left."""
-    import nbformat  # takes two seconds, of each process that collects tests
+    """The outcome of each cell."""
+    import nbformat  # takes two seconds in each process that collects tests
     from nbclient import NotebookClient
 
     home = tmp_path_factory.mktemp("kernel")
@@ -86,7 +86,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
 
 
 @pytest.mark.parametrize("caller", CELLS)
-def test_an_error_is_raised_to_a_person_and_kept_from_a_callback(outputs: dict[str, list[Any]], caller: str) -> None:
+def test_an_error_is_raised_to_the_user_and_kept_from_a_callback(outputs: dict[str, list[Any]], caller: str) -> None:
     errors = [(output.ename, output.evalue) for output in outputs[caller] if output.output_type == "error"]
     assert errors == ([("ValueError", TEXT)] if caller in RAISES else [])
 

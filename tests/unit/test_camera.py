@@ -1,4 +1,4 @@
-"""What a camera sees: pixels of points, depth images as scans, and what lies over a picture."""
+"""The view of a camera: pixels of points, depth images as scans, and overlays on a picture."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_camera_info_of_ros_1_and_ros_2_says_the_same() -> None:
         (message(width=-1), "width: expected pixels, 0 or more, got -1"),
     ],
 )
-def test_what_is_no_calibration_says_what_is_wrong(given: dict[str, object], error: str) -> None:
+def test_what_is_not_a_calibration_says_what_is_wrong(given: dict[str, object], error: str) -> None:
     with pytest.raises((TypeError, ValueError), match=error):
         to_camera_info(given)
 
@@ -81,7 +81,7 @@ def test_a_rectified_picture_goes_by_p_with_the_shift_of_the_second_camera() -> 
     assert model.points([[396.0, 190.0]], 2.0)[0] == pytest.approx([0.5, -0.25, 2.0])
 
 
-def test_what_is_behind_the_camera_or_beside_the_picture_has_no_pixel() -> None:
+def test_a_point_behind_the_camera_or_outside_the_picture_has_no_pixel() -> None:
     model = CameraModel(info())
     points = np.array([[0, 0, -1], [0, 0, 0], [1.3, 0, 2], [-1.3, 0, 2], [0, 0.95, 2], [nan, 0, 1]])
     assert np.isnan(model.project(points)).all()
@@ -137,7 +137,7 @@ def test_an_ideal_fisheye_bends_as_one_whose_numbers_are_nearly_0() -> None:
     assert not CameraModel(info(d=[0.0] * 4, distortion_model="equidistant"), rectified=True).bends
 
 
-def test_a_point_far_beside_the_picture_is_not_bent_back_into_it() -> None:
+def test_a_point_far_outside_the_picture_is_not_bent_back_into_it() -> None:
     # With k1 alone, x (1 + k1 x x) comes back to the middle at x = 1 / sqrt(-k1) = 1.83.
     model = CameraModel(info(d=[-0.3, 0, 0, 0, 0], distortion_model="plumb_bob"))
     points = [[x, 0.0, 1.0] for x in np.linspace(0.75, 3.0, 50)]
@@ -172,7 +172,7 @@ def test_a_camera_that_is_not_calibrated_and_an_unknown_lens_say_so() -> None:
 
 
 def by_node(depth: np.ndarray, first: int, last: int, low: float, high: float) -> tuple[list[float], float, float]:
-    """What depthimage_to_laserscan sends, in its own steps, pixel by pixel."""
+    """The scan of depthimage_to_laserscan, computed in its own steps, pixel by pixel."""
     fx, cx, width = np.float32(K[0]), np.float32(K[2]), depth.shape[1]
     left, right = (np.array([(u - K[2]) / K[0], 0.0, 1.0]) for u in (0, width - 1))
     ahead = np.array([0.0, 0.0, 1.0])
@@ -222,7 +222,7 @@ def test_a_band_of_a_depth_image_is_the_scan_that_depthimage_to_laserscan_sends(
     [(240.0, 1, 240), (239.5, 1, 239), (243.2, 1, 243), (243.2, 3, 242), (243.7, 3, 242), (243.2, 10, 238)],
 )
 def test_an_odd_number_of_rows_are_the_rows_that_the_node_reads(axis: float, rows: int, first: int) -> None:
-    depth = np.repeat(np.arange(480, dtype=np.float32)[:, None] * 0.01 + 1, 640, axis=1)  # each row has its distance
+    depth = np.repeat(np.arange(480, dtype=np.float32)[:, None] * 0.01 + 1, 640, axis=1)  # each row has one distance
     calibration = CameraInfo(640, 480, k=[525, 0, 319.5, 0, 525, axis, 0, 0, 1], frame_id="c")
     assert np.nanmin(depth_scan(depth, calibration, rows).ranges) == pytest.approx(depth[first, 0], abs=1e-5)
 
@@ -231,9 +231,9 @@ def test_a_wall_in_a_depth_image_is_a_wall_in_the_scan_and_its_columns_are_known
     millimetres = np.full((480, 640), 2000, np.uint16)
     millimetres[:, 400:] = 0
     scan = depth_scan(millimetres, info(), (230, 240))
-    # A column is on a ray up to half a step beside it.
+    # A column is on a ray up to half a step to its side.
     assert np.allclose(scan.x[scan.valid], 2.0, atol=0.003)
-    # What is at the right of the picture is at the right of the scanner, where the scan begins.
+    # The right side of the picture is at the right of the scanner, where the scan begins.
     rays = depth_rays(CameraModel(info(), rectified=True))
     assert np.isnan(scan.ranges[rays[401:]]).all()
     assert np.isfinite(scan.ranges[rays[:400]]).all()
@@ -258,7 +258,7 @@ def test_a_message_with_a_depth_image_is_a_scan_of_its_time() -> None:
         (np.zeros((100, 640)), 1, "for another picture"),
     ],
 )
-def test_what_is_no_depth_image_says_what_is_wrong(depth: np.ndarray, rows: object, error: str) -> None:
+def test_what_is_not_a_depth_image_says_what_is_wrong(depth: np.ndarray, rows: object, error: str) -> None:
     with pytest.raises((TypeError, ValueError), match=error):
         depth_scan(depth, info(), rows)  # type: ignore[arg-type]
 
@@ -282,7 +282,7 @@ def frames(*more: Transform) -> LiveFrames:
     return found
 
 
-def test_the_scanner_is_where_tf_has_it_or_where_a_person_says() -> None:
+def test_the_scanner_is_placed_by_tf_or_by_the_user() -> None:
     by_tf = place_in_camera(frames(), "laser", "camera_optical_frame", when=(0, 0), then=(0, 0))
     # 1 m ahead of the scanner, 0.5 m to its left: to the left of the camera, and below it.
     assert by_tf.moved(np.array([[1.0, 0.5, 0.0]]))[0] == pytest.approx([-0.5, 0.3, 0.9])
@@ -318,7 +318,7 @@ def test_a_scan_is_where_it_was_measured_while_the_robot_drives_on() -> None:
 
 
 def room_scan(distance: float = 2.0, count: int = 181) -> Scan:
-    """A wall across, so far ahead."""
+    """A wall across, at this distance ahead."""
     angles = np.linspace(radians(-60), radians(60), count)
     return Scan(
         (distance / np.cos(angles)).astype(np.float32), angles[0], angles[1] - angles[0], 0.1, 30.0, frame_id="laser"
@@ -368,7 +368,7 @@ def test_the_area_lies_on_the_ground_and_ends_at_the_readings(lens: dict[str, ob
             assert inside(area, u, v) == (ahead < 1.9 and angle < radians(60) and distance > 0.1), (u, v)
 
 
-def test_rays_that_see_nothing_reach_as_far_as_the_scanner_and_unknown_ones_nowhere() -> None:
+def test_rays_that_see_nothing_reach_the_scanners_range_and_unknown_ones_nowhere() -> None:
     scan = room_scan()
     ranges = scan.ranges.copy()
     ranges[:90], ranges[90:] = nan, inf
@@ -427,7 +427,7 @@ def test_cones_end_where_something_is_or_say_that_there_is_nothing() -> None:
     assert np.ptp(arc[:, 0]) == pytest.approx(2 * half, rel=1e-3)
 
 
-def test_the_opening_of_a_camera_is_told_in_radians() -> None:
+def test_the_opening_of_a_camera_is_given_in_radians() -> None:
     across, down = CameraModel(info()).view
     assert degrees(across) == pytest.approx(2 * degrees(atan2(320, 525)))
     assert tan(down / 2) == pytest.approx(240 / 520)

@@ -1,4 +1,4 @@
-"""What falls on which pixel, beside the pictures of MuJoCo of a known room, where MuJoCo is installed and can draw."""
+"""The projection of things onto pixels, against the pictures of MuJoCo of a known room, if MuJoCo can draw."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ OPTICAL = np.column_stack([-BODY[:, 1], -BODY[:, 2], BODY[:, 0]])
 
 
 def seen(things: str) -> tuple[np.ndarray, np.ndarray]:
-    """A depth image of things in the room, and which of them each pixel shows."""
+    """A depth image of things in the room, and the thing in each pixel."""
     axes = " ".join(map(str, (*OPTICAL[:, 0], *-OPTICAL[:, 1])))
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><visual><global offwidth="{WIDTH}" offheight="{HEIGHT}"/><map znear="0.005"/></visual><worldbody>'

@@ -1,4 +1,4 @@
-"""What a cell made goes when it runs again."""
+"""The widgets and feeds of a cell are closed when it runs again."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Run = Callable[[str, str], "Made"]
 
 
 class Made:
-    """Notes whether it was closed."""
+    """Notes its closing."""
 
     closed = False
 
@@ -28,7 +28,7 @@ class Made:
 
 @pytest.fixture
 def begin(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], None]:
-    """Begins a run of a cell, as the kernel names both."""
+    """Begin a run of a cell, with the names that the kernel gives to both."""
     request: dict[str, dict[str, str]] = {}
     put_in_place(monkeypatch, get_parent=lambda: request)
     monkeypatch.setattr(_cells, "_made", {})
@@ -41,7 +41,7 @@ def begin(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str], None]:
 
 @pytest.fixture
 def run(begin: Callable[[str, str], None]) -> Run:
-    """Makes something in a run of a cell."""
+    """Make something in a run of a cell."""
 
     def made_in(cell: str, number: str) -> Made:
         begin(cell, number)
@@ -66,7 +66,7 @@ def test_what_other_cells_made_stays(run: Run) -> None:
     assert (first.closed, second.closed) == (False, True)
 
 
-def test_where_nobody_tells_which_cell_runs_nothing_is_closed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_if_the_running_cell_is_unknown_nothing_is_closed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     first = run("", "1")
     run("", "2")
     monkeypatch.setattr("IPython.get_ipython", lambda: None)
@@ -75,7 +75,7 @@ def test_where_nobody_tells_which_cell_runs_nothing_is_closed(run: Run, monkeypa
     assert not _cells._made
 
 
-def test_what_nobody_holds_is_not_held_for_the_next_run(run: Run) -> None:
+def test_an_unreferenced_object_is_not_kept_for_the_next_run(run: Run) -> None:
     run("a", "1")
     assert not _cells._made["a"][1]
 

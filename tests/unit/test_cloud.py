@@ -1,4 +1,4 @@
-"""Clouds of points: messages and arrays to samples, what a sample says, and a band of heights as a scan."""
+"""Clouds of points: messages and arrays to samples, their properties, and a band of heights as a scan."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ def field(name: str, offset: int, datatype: int = 7, count: int = 1) -> dict:
 XYZ = [field("x", 0), field("y", 4), field("z", 8)]
 
 
-def test_a_row_step_of_all_rows_is_that_of_one() -> None:
+def test_a_row_step_of_all_rows_counts_as_the_step_of_one() -> None:
     message = cloud_message(points_of(6, OVER))
     of_rows = to_cloud({**message, "height": 2, "width": 3, "row_step": 3 * message["point_step"]})
     of_all = to_cloud({**message, "height": 2, "width": 3, "row_step": 6 * message["point_step"]})
@@ -183,7 +183,7 @@ def test_a_row_step_of_all_rows_is_that_of_one() -> None:
         ({"width": 3}, "16 bytes after the last point: not used"),
     ],
 )
-def test_what_is_odd_is_told_and_the_points_are_read(changed: dict, what: str) -> None:
+def test_what_is_odd_is_reported_and_the_points_are_read(changed: dict, what: str) -> None:
     cloud = to_cloud({**cloud_message(points_of(4, OVER)), "row_step": 48, **changed})
     assert [problem.what for problem in cloud.problems] == [what]
     assert cloud.z.tolist()[:3] == [2.0, 3.0, 4.0]
@@ -205,7 +205,7 @@ def test_what_is_odd_is_told_and_the_points_are_read(changed: dict, what: str) -
         ({"width": 10_000_000}, "expected at most 5,000,000 points, got 10,000,000; take every n-th, or a filter"),
     ],
 )
-def test_what_are_no_points_is_refused_with_one_line(changed: dict, text: str) -> None:
+def test_what_are_not_points_is_refused_with_one_line(changed: dict, text: str) -> None:
     with pytest.raises((TypeError, ValueError), match=text):
         to_cloud({**cloud_message(points_of(4, OVER)), **changed})
 
@@ -225,7 +225,7 @@ def test_what_are_no_points_is_refused_with_one_line(changed: dict, text: str) -
         ({"fields": [], "point_step": 1, "data": b""}, r"\(missing: height, width, is_bigendian, row_step\)"),
     ],
 )
-def test_what_is_no_cloud_is_refused_with_what_came(given: Any, text: str) -> None:
+def test_what_is_not_a_cloud_is_refused_with_what_came(given: Any, text: str) -> None:
     with pytest.raises((TypeError, ValueError), match=text):
         to_cloud(given)
 
@@ -275,7 +275,7 @@ def test_a_band_of_heights_is_a_scan_whose_rays_know_their_points() -> None:
 def test_the_ray_of_a_point_is_the_one_that_pointcloud_to_laserscan_gives_it() -> None:
     points = np.random.default_rng(1).normal(0, 3, (3000, 3)).astype(np.float32)
     scan = to_cloud(points).scan(z=(-0.5, 0.7))
-    # As in its C++: the angle in double, less angle_min and divided by angle_increment as its message has them.
+    # As in its C++: the angle in double, minus angle_min and divided by angle_increment as float32 in its message.
     first, step = float(np.float32(-pi)), float(np.float32(pi / 360))
     ranges = np.full(720, np.inf, np.float32)
     for x, y, z in points:
@@ -309,7 +309,7 @@ def test_the_cloud_of_a_real_scanner_is_its_scan(data: Path) -> None:
         assert np.abs((off + pi) % (2 * pi) - pi)[far].max() < 1e-5
         assert (cloud.points["intensity"] == scan.intensities).all()
 
-        # A ray takes the points from its angle on, so begin half a ray before.
+        # A ray takes the points from its angle on, so start half a ray earlier.
         again = cloud.scan(
             angle_min=scan.angle_min - scan.angle_increment / 2,
             angle_increment=scan.angle_increment,

@@ -1,4 +1,4 @@
-"""`CloudWidget`, and a cloud in a `LaserWidget`: what Python code says to them and hears from them, without a page."""
+"""`CloudWidget`, and a cloud in a `LaserWidget`: their Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_code_gives_the_points_that_are_counted_whatever_was_not_measured(clouds
         ("most_points", 0, "should not be less than 1"),
     ],
 )
-def test_settings_that_are_none_are_refused(clouds: CloudWidget, name: str, value: object, text: str) -> None:
+def test_invalid_settings_are_refused(clouds: CloudWidget, name: str, value: object, text: str) -> None:
     with pytest.raises(TraitError, match=text):
         setattr(clouds, name, value)
 
@@ -189,7 +189,7 @@ def test_a_recording_shows_its_clouds_and_a_band_of_them_as_a_scan_and_says_what
 
 
 def count_in(widget: CloudWidget | LaserWidget, frame: bytes) -> int:
-    """How many points, or rays that met one, a frame has."""
+    """The number of points in a frame, or of rays with a point."""
     if isinstance(widget, LaserWidget):
         return sum(ray.source is not None for ray in widget._unpack(frame))
     facts = frame[36 : frame.index(b"}") + 1]

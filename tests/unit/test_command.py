@@ -20,7 +20,7 @@ from ..conftest import ROOT
 
 
 def one_line(capsys):
-    """What was said on stderr: one line, and nothing on stdout."""
+    """The error on stderr: one line, and nothing on stdout."""
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.endswith("\n")
@@ -30,7 +30,7 @@ def one_line(capsys):
 
 @pytest.fixture
 def lab(monkeypatch):
-    """What JupyterLab would be started with, instead of starting it."""
+    """Record the arguments of JupyterLab instead of starting it."""
     started = []
     monkeypatch.setattr(_lab, "run", lambda *arguments, **_options: started.append(arguments[:3]))
     return started
@@ -38,7 +38,7 @@ def lab(monkeypatch):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """A folder to work in, which ends with the test."""
+    """A folder to work in, removed with the test."""
     monkeypatch.chdir(tmp_path)
 
 
@@ -68,7 +68,7 @@ def test_info_prints_the_table_of_a_recording(capsys):
 
 @pytest.mark.parametrize("command", ["info", "open"])
 @pytest.mark.parametrize("what", ["missing", "empty", "foreign", "folder", "loop"])
-def test_what_is_no_recording_is_one_line_and_1(command, what, tmp_path, capsys, lab):
+def test_what_is_not_a_recording_is_one_line_and_1(command, what, tmp_path, capsys, lab):
     path = tmp_path / f"{what}.bag"
     if what == "folder":
         path.mkdir()
@@ -156,7 +156,7 @@ def test_a_folder_that_cannot_be_written_to_is_one_line(tmp_path, capsys, lab):
     assert lab == []
 
 
-def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, tmp_path, here):
+def test_the_demo_is_a_copy_of_the_tour_next_to_the_other_notebooks(lab, tmp_path, here):
     assert main(["demo", "--port", "0", "--no-browser"]) == 0
     ((tour, port, browser),) = lab
     assert (port, browser) == (0, False)
@@ -166,7 +166,7 @@ def test_the_demo_is_a_copy_of_the_tour_with_the_other_notebooks_beside_it(lab, 
     assert {file.name for file in tour.parent.iterdir()} == {file.name for file in (ROOT / "notebooks").glob("*.ipynb")}
 
 
-def test_a_notebook_that_a_person_changed_stays_where_it_was_and_as_it_was(lab, tmp_path, capsys, here):
+def test_a_notebook_that_the_user_changed_stays_where_it_was_and_as_it_was(lab, tmp_path, capsys, here):
     main(["demo"])
     tour = lab[0][0]
     assert tour.parent == tmp_path / "robowidgets-notebooks"
@@ -205,7 +205,7 @@ def test_open_writes_a_notebook_for_the_file(lab, here):
     assert main(["open", os.path.relpath(robowidgets.SAMPLE)]) == 0
     written = lab[0][0]
     assert written.name == "sample.ipynb"
-    import nbformat  # takes two seconds, of each process that collects tests
+    import nbformat  # takes two seconds in each process that collects tests
 
     notebook = nbformat.read(written, as_version=nbformat.NO_CONVERT)
     nbformat.validate(notebook)
@@ -251,7 +251,7 @@ def test_notebooks_are_found_in_a_checkout_and_in_an_installed_package(monkeypat
 
 
 @pytest.mark.slow
-def test_jupyterlab_serves_the_notebook_already_run_on_this_machine_to_who_has_the_token(tmp_path):
+def test_jupyterlab_serves_the_notebook_already_run_on_this_machine_with_the_token(tmp_path):
     own = {name: str(tmp_path / name) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR")}
     environment = os.environ | own | {"JUPYTER_TOKEN": "guessed"}
     log = tmp_path / "log"
@@ -324,7 +324,7 @@ def test_find_prints_json(capsys, monkeypatch):
     arguments = ["--speed-above", "0.1", "--gap", "1", "--any", "--speed", "/odom", "--json"]
     assert main(["find", str(robowidgets.SAMPLE), *arguments]) == 0
     said = capsys.readouterr()
-    assert "Finding:   0%" in said.err, "progress goes where it is in nobody's way"
+    assert "Finding:   0%" in said.err, "progress goes to stderr"
     told = json.loads(said.out)
     assert told["condition"] == "(linear.x above 0.1 m/s | gap longer than 1 s)"
     assert told["complete"] is True

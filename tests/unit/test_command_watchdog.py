@@ -1,4 +1,4 @@
-"""`CommandWatchdog`: at most 50 speeds a second, zero when none holds, a latch, and a hand before programs."""
+"""`CommandWatchdog`: at most 50 speeds per second, zero when none holds, a latch, and a hand before programs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LEFT = Velocity(angular=0.5)
 
 
 class Sink:
-    """What takes the speeds of a test; it hangs while its gate is shut, and raises what it is told to."""
+    """Takes the speeds of a test; it hangs while its gate is shut, and raises the error that a test sets."""
 
     def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
         self.now = now
@@ -115,7 +115,7 @@ def test_what_a_slow_sink_kept_waiting_too_long_is_not_sent(watchdog: CommandWat
     wait_for(lambda: sink.speeds == [FORWARD, ZERO], "zero follows")
 
 
-def test_a_speed_that_a_stop_replaces_while_it_is_sent_is_no_error(watchdog: CommandWatchdog, sink: Sink) -> None:
+def test_a_speed_that_a_stop_replaces_while_it_is_sent_is_not_an_error(watchdog: CommandWatchdog, sink: Sink) -> None:
     sink.gate.clear()
     sink.error = OSError("the speed came too late")
     speed = watchdog.drive(FORWARD, hold=60.0)
@@ -131,7 +131,7 @@ def test_a_speed_that_a_stop_replaces_while_it_is_sent_is_no_error(watchdog: Com
     assert (seen, watchdog.sent) == ([None, None], ZERO)
 
 
-def test_a_sink_that_hangs_is_told_to_who_waits_and_holds_nobody_for_ever(
+def test_a_hanging_sink_is_reported_to_waiting_callers_and_blocks_none_for_ever(
     watchdog: CommandWatchdog, sink: Sink
 ) -> None:
     sink.gate.clear()
@@ -231,7 +231,7 @@ def test_after_an_error_at_a_speed_zero_is_due_at_once(
     wait_for(lambda: sink.speeds[:2] == [FORWARD, ZERO], "zero is sent")
 
 
-def test_what_is_known_not_to_be_sent_owes_no_zero(watchdog: CommandWatchdog, sink: Sink) -> None:
+def test_a_speed_known_as_unsent_needs_no_zero(watchdog: CommandWatchdog, sink: Sink) -> None:
     sink.error = OSError("no route")
     with pytest.raises(OSError, match="no route"):
         drive(watchdog, FORWARD)
@@ -360,7 +360,7 @@ def test_by_hand_what_a_slow_sink_kept_waiting_too_long_is_not_sent(
 
 
 def stand(clock: ManualClock, how: str) -> None:
-    """Let the process stand still for longer than a speed may hold; whoever waits has not noticed yet."""
+    """Pause the process for longer than a speed may hold; waiting threads have not noticed yet."""
     clock.settle()
     if how == "sleep":
         clock.asleep += STANDSTILL + 0.1
@@ -405,7 +405,7 @@ def test_a_speed_that_was_requested_before_a_standstill_is_not_sent_after_it(
     clock.advance(0.1)
     assert waiting.done
     assert sink.speeds == [FORWARD, ZERO]
-    assert watchdog.stops > stops, "who waits with a speed is refused"
+    assert watchdog.stops > stops, "a waiting caller with a speed is refused"
 
 
 def test_a_press_is_over_after_a_standstill(clock: ManualClock, timed: tuple[CommandWatchdog, Sink]) -> None:
@@ -473,9 +473,7 @@ def test_an_interrupt_while_its_thread_starts_stops_it_and_starts_no_second_one(
     assert len(threads()) == 1
 
 
-def test_observers_are_told_of_every_change_and_none_of_them_keeps_zero_from_being_sent(
-    watchdog: CommandWatchdog, sink: Sink
-) -> None:
+def test_observers_get_every_change_and_none_of_them_prevents_zero(watchdog: CommandWatchdog, sink: Sink) -> None:
     told: list[tuple[float, float]] = []
 
     def fail() -> None:

@@ -1,4 +1,4 @@
-"""Some drives in one plot and on one map."""
+"""Several drives in one plot and on one map."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_by_place_the_other_one_tells_what_it_met_where_the_first_one_was(tmp_pa
         robowidgets.compare(SAMPLE, SAMPLE, by="place", origins=[(100, 0, 0)])
 
 
-def test_names_tell_files_apart_and_what_was_not_recorded_is_told(tmp_path: Path) -> None:
+def test_names_distinguish_files_and_missing_data_is_reported(tmp_path: Path) -> None:
     for folder in ("monday", "tuesday"):
         (tmp_path / folder).mkdir()
         copy(SAMPLE, tmp_path / folder / "run.mcap")

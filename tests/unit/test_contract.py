@@ -1,4 +1,4 @@
-"""The traits that the front end reads and sets are those of the Python widgets, by name and type.
+"""The traits that the front end reads and sets match the Python widgets, by name and type.
 
 `robowidgets/js/NAME/traits.ts` lists them for `NameWidget`; TypeScript holds the front end to the lists.
 """
@@ -22,7 +22,7 @@ JS = ROOT / "robowidgets" / "js"
 FILES = sorted((*JS.glob("*/*.ts"), *JS.glob("shared/*/*.ts")))
 NAMES = sorted(file.stem.removesuffix("_widget") for file in JS.glob("*_widget.ts"))
 OF_INSTANCES = {"_style": traitlets.Unicode()}
-"""Traits of the front end itself, which each instance is given, and the front end reads."""
+"""Traits of the front end itself, which each instance gets and the front end reads."""
 
 PLAIN: dict[type[Any], str] = {
     traitlets.Unicode: "string",
@@ -38,7 +38,7 @@ OF_VALUE: dict[type[Any], str] = {str: "string", bool: "boolean", float: "number
 
 
 def _declarations() -> tuple[dict[str, tuple[list[str], dict[str, str]]], dict[str, str]]:
-    """Interfaces, by name what they extend and the types of their fields; and the types that have names."""
+    """Interfaces, by name, with their bases and the types of their fields; and the named types."""
     text = "\n".join(file.read_text(encoding="utf-8") for file in FILES)
     text = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.DOTALL)
     interfaces = {}
@@ -52,7 +52,7 @@ INTERFACES, TYPES = _declarations()
 
 
 def fields(interface: str) -> dict[str, str]:
-    """All fields of an interface, also those that it extends."""
+    """All fields of an interface, including inherited ones."""
     bases, own = INTERFACES[interface]
     inherited = {name: kind for base in bases for name, kind in fields(base).items()}
     return inherited | own
@@ -65,7 +65,7 @@ def fields_of(widget: str) -> dict[str, str]:
 
 
 def kinds(written: str) -> set[str]:
-    """What a TypeScript type allows, in plain words and literals."""
+    """The values that a TypeScript type allows, in plain words and literals."""
     found: set[str] = set()
     for part in (part.strip() for part in written.split("|")):
         if part in ("string", "boolean", "number", "null", "DataView") or part.startswith('"'):
@@ -90,13 +90,13 @@ def widget_class(name: str) -> type[traitlets.HasTraits]:
 
 
 def our_traits(name: str) -> dict[str, traitlets.TraitType[Any, Any]]:
-    """The synced traits of a widget that ipywidgets and anywidget do not have."""
+    """The synced traits of a widget without the traits of ipywidgets and anywidget."""
     theirs = anywidget.AnyWidget.class_traits(sync=True)
     return {key: trait for key, trait in widget_class(name).class_traits(sync=True).items() if key not in theirs}
 
 
 def expected(trait: traitlets.TraitType[Any, Any]) -> set[str]:
-    """What a trait allows; of traits of our own, which may allow more, what their default is."""
+    """The values that a trait allows; for our own trait types, which may allow more, the type of the default."""
     none = {"null"} if trait.allow_none else set()
     if isinstance(trait, traitlets.Enum):
         return {f'"{value}"' for value in trait.values} | none
@@ -135,7 +135,7 @@ def test_lists_hold_the_same_type_on_both_sides(name: str) -> None:
             assert kinds(front[key].removesuffix("[]")) == expected(element), f"{name}: {key} is {front[key]!r}"
 
 
-def test_who_drives_is_told_in_fields_that_the_front_end_knows() -> None:
+def test_the_driver_is_sent_in_fields_that_the_front_end_knows() -> None:
     pad = DriveWidget()
     assert pad.get_state()["_state"].keys() == fields("Told").keys() | fields("DriveTold").keys()
     pad.close()

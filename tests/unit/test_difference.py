@@ -52,7 +52,7 @@ class TestDifference:
             expected = expected[::2]
         assert found.tolist() == pytest.approx(expected, nan_ok=True)
 
-    def test_the_closest_ray_is_that_of_at(self) -> None:
+    def test_the_closest_ray_matches_at(self) -> None:
         for other in (
             scan(*range(1, 8), angle_min=-1.0, increment=0.3),
             scan(*range(1, 8), angle_min=3.0, increment=-0.3),
@@ -88,7 +88,7 @@ class TestGhost:
         assert laser.ghost is None
         laser.close()
 
-    def test_a_scan_keeps_its_frame_whoever_pins_it(self) -> None:
+    def test_a_scan_keeps_its_frame_when_it_is_pinned(self) -> None:
         laser = LaserWidget()
         laser.update(scan(1.0, 2.0, frame_id="first"))
         laser.get_state()

@@ -1,4 +1,4 @@
-"""How far the nearest thing is: `Scan.distance` and `Scan.nearest`, by one rule."""
+"""The distance of the nearest thing: `Scan.distance` and `Scan.nearest`, by one rule."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class TestTheRule:
             assert one.nearest() is None
 
     @pytest.mark.parametrize("code", CODES)
-    def test_a_code_is_nothing_seen_beside_what_was_measured(self, code: float) -> None:
+    def test_a_code_means_nothing_seen_if_other_rays_measured(self, code: float) -> None:
         assert scan([code, 2.0]).distance() == 2
         assert scan([code, 2.0]).nearest().index == 1
         assert scan([code, inf]).distance() == inf
@@ -131,7 +131,7 @@ class TestSectors:
             (0.5, TypeError, r"^sector: expected two angles, .* got 0.5$"),
         ],
     )
-    def test_what_is_no_sector_is_refused(self, sector: object, error: type[Exception], text: str) -> None:
+    def test_what_is_not_a_sector_is_refused(self, sector: object, error: type[Exception], text: str) -> None:
         for one in (scan([1.0]), scan([])):
             with pytest.raises(error, match=text):
                 one.distance(sector)
@@ -146,7 +146,7 @@ class TestPercentile:
         assert one.distance(percentile=5) == 2
         assert one.distance(percentile=0) == 0
 
-    def test_it_is_that_of_a_ray_and_the_nearer_of_two(self) -> None:
+    def test_it_belongs_to_a_ray_and_the_nearer_of_two_counts(self) -> None:
         one = scan([3.0, 1.0, 2.0, inf])
         assert [one.distance(percentile=p) for p in (0, 33, 34, 50, 99, 100)] == [1, 1, 2, 2, 3, inf]
 
@@ -170,7 +170,7 @@ class TestPercentile:
 
 
 def counts_as(value: float) -> float:
-    """The table for one range, as it reads."""
+    """The table for one range, as documented."""
     if isnan(value):
         return nan
     if value in CODES or value > HIGH:

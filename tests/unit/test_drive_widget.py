@@ -1,4 +1,4 @@
-"""`DriveWidget`: what it takes from the page, and what reaches the robot."""
+"""`DriveWidget`: the messages it takes from the page, and the speeds that reach the robot."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .pages import Page
 from .waiting import wait_for
 
 ZERO = (0.0, 0.0)
-"""As a function of two speeds gets it, and as the middleware of a test keeps it."""
+"""A speed as a function of two speeds gets it, and as the middleware of a test records it."""
 
 
 class Pad(DriveWidget):
@@ -42,7 +42,7 @@ class Pad(DriveWidget):
     heard: list[tuple[float, float]] = []  # noqa: RUF012
     now = 100.0
     clock: ManualClock | None = None
-    """That of its watchdogs, if it is moved by hand."""
+    """The clock of its watchdogs, if it is moved by hand."""
 
     def __init__(self, **kwargs: Any) -> None:
         self.answers = []
@@ -54,7 +54,7 @@ class Pad(DriveWidget):
         self.answers.append(content)
 
     def hear(self, act: str, press: str = "p", **more: Any) -> dict[str, Any]:
-        """A message of the page; the answer."""
+        """Send a message of the page, and return the answer."""
         self._handle_custom_msg({"act": act, "press": press, **more}, [])
         return self.answers[-1]
 
@@ -63,13 +63,13 @@ class Pad(DriveWidget):
         return token
 
     def hold(self, press: str = "p", **knob: float) -> int:
-        """A press that drives at once; its next token."""
+        """A press that drives at once; return its next token."""
         token: int = self.hear("hold", press, token=self.press(press), **knob)["token"]
         return token
 
     @property
     def told(self) -> dict[str, Any]:
-        """What a page knows."""
+        """The state that a page has."""
         state: dict[str, Any] = self.get_state()["_state"]
         return state
 
@@ -79,7 +79,7 @@ class Pad(DriveWidget):
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> ManualClock:
-    """That of the watchdogs which pads make."""
+    """The clock of the watchdogs of pads."""
     made = ManualClock()
     monkeypatch.setitem(CommandWatchdog.__init__.__kwdefaults__, "clock", made)  # type: ignore[index]
     return made
@@ -97,13 +97,13 @@ def pad(clock: ManualClock) -> Iterator[Pad]:
 
 @pytest.fixture
 def holds(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have a press drive until something ends it, and not for half a second at most."""
+    """Make a press drive until something ends it, instead of half a second at most."""
     monkeypatch.setattr(command_watchdog, "HOLD", 3600.0)
 
 
 @pytest.fixture
 def soon(monkeypatch: pytest.MonkeyPatch) -> float:
-    """Seconds after which the page hears the same state again, in place of one second."""
+    """Seconds after which the page gets the same state again, instead of one second."""
     monkeypatch.setattr(driving_widget, "BEAT", 0.05)
     return 0.05
 
@@ -159,7 +159,7 @@ class TestFromThePage:
         pad.rests()
         assert set(pad.heard) <= {ZERO}
 
-    def test_the_newest_press_wins_and_another_page_is_told(self, pad: Pad) -> None:
+    def test_the_newest_press_wins_and_another_page_is_notified(self, pad: Pad) -> None:
         old = pad.press("old")
         new = pad.press("new")
         assert pad.hear("hold", "old", token=old, forward=1) == {"press": "old", "over": "taken"}
@@ -186,7 +186,7 @@ class TestFromThePage:
             ({"speed": 3}, "expected a message of the pad, got {"),
         ],
     )
-    def test_what_is_no_speed_stops_and_is_logged(
+    def test_what_is_not_a_speed_stops_and_is_logged(
         self, pad: Pad, message: dict[str, Any], text: str, caplog: pytest.LogCaptureFixture
     ) -> None:
         token = pad.press()
@@ -198,7 +198,7 @@ class TestFromThePage:
         assert set(pad.heard) == {ZERO}
 
     @pytest.mark.parametrize("content", [None, 3, [1, 2], "drive", {}])
-    def test_what_is_no_message_is_logged(self, pad: Pad, content: Any, caplog: pytest.LogCaptureFixture) -> None:
+    def test_what_is_not_a_message_is_logged(self, pad: Pad, content: Any, caplog: pytest.LogCaptureFixture) -> None:
         pad._handle_custom_msg(content, [])
         words = "the page sent an invalid message: expected a message of the pad"
         wait_for(lambda: words in caplog.text, "it is logged")
@@ -285,7 +285,7 @@ class TestSink:
             pad.connect(robot)
         assert "token" in pad.hear("press")
 
-    def test_what_it_raises_is_said_and_logged_and_ends_the_press(self, caplog: pytest.LogCaptureFixture) -> None:
+    def test_what_it_raises_is_reported_and_logged_and_ends_the_press(self, caplog: pytest.LogCaptureFixture) -> None:
         def send(linear: float, angular: float) -> None:
             if linear:
                 raise OSError("no route to the robot")
@@ -320,7 +320,7 @@ class TestSink:
         wait_for(lambda: heard, "it is asked to stop")
         gate.set()
 
-    def test_what_it_raises_at_every_speed_is_said_with_the_first_error(self) -> None:
+    def test_what_it_raises_at_every_speed_is_reported_with_the_first_error(self) -> None:
         def send(linear: float) -> None: ...
 
         pad = Pad(send=send)
@@ -412,7 +412,7 @@ class TestFeed:
         pad.hold("q", forward=0.2)
         assert pad.told["status"] == ""
 
-    def test_beside_a_program_the_hand_drives_and_the_program_is_refused(
+    def test_while_a_program_runs_the_hand_drives_and_the_program_is_refused(
         self, pad: Pad, feed: Feed, script: Scripted
     ) -> None:
         feed.drive(0.2, 0.5)
@@ -438,7 +438,7 @@ class TestFeed:
         feed.drive(0.2, 0.5)
         assert pad.told["driver"] == PROGRAM
 
-    def test_of_two_pads_the_newest_press_wins_and_the_other_is_told(
+    def test_of_two_pads_the_newest_press_wins_and_the_other_is_notified(
         self, pad: Pad, other: Pad, script: Scripted
     ) -> None:
         token = pad.hold(forward=0.2)
@@ -473,7 +473,7 @@ class TestFeed:
         assert feed.connection._observers == []
 
     @pytest.mark.usefixtures("holds")
-    def test_what_could_not_be_published_ends_the_press_and_is_told_until_it_can(
+    def test_what_could_not_be_published_ends_the_press_and_is_reported_until_it_can(
         self, pad: Pad, script: Scripted, caplog: pytest.LogCaptureFixture
     ) -> None:
         token = pad.hold(forward=0.2)
@@ -484,7 +484,7 @@ class TestFeed:
         both = f"{words}. Sending zero failed, too"
         wait_for(lambda: pad.told["error"] == both, "both are told")
         assert pad.told["cause"] == "no room"
-        assert pad.told["speed"] == (0.1, 0.0, 0.0), "as far as is known it moves"
+        assert pad.told["speed"] == (0.1, 0.0, 0.0), "it is assumed to move"
         assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
         wait_for(lambda: words in caplog.text, "it is logged")
         script.broken = ""
@@ -494,7 +494,7 @@ class TestFeed:
         assert pad.told["error"] == ""
 
     @pytest.mark.usefixtures("holds")
-    def test_a_connection_that_is_lost_ends_the_press_and_is_told(self, pad: Pad, script: Scripted) -> None:
+    def test_a_connection_that_is_lost_ends_the_press_and_is_reported(self, pad: Pad, script: Scripted) -> None:
         token = pad.hold(forward=0.2)
         wait_for(lambda: pad.told["speed"] == (0.1, 0.0, 0.0), "it drives")
         script.lose()
@@ -503,7 +503,7 @@ class TestFeed:
         assert pad.told["cause"].startswith("cannot drive: connection lost")
 
     @pytest.mark.parametrize("held", [False, True])
-    def test_one_that_is_closed_is_told_at_once_and_again_on_a_press(
+    def test_a_closed_one_is_reported_at_once_and_again_on_a_press(
         self, pad: Pad, feed: Feed, script: Scripted, held: bool
     ) -> None:
         if held:
@@ -609,7 +609,7 @@ class TestStop:
 
 
 class TestToThePage:
-    def test_speeds_at_any_rate_reach_the_page_at_the_pacers_pace_and_the_last_is_told(
+    def test_speeds_at_any_rate_reach_the_page_at_the_pacers_pace_and_the_last_is_reported(
         self, feed: Feed, script: Scripted, other: Pad
     ) -> None:
         page, began = Page(other), time.monotonic()
@@ -619,7 +619,7 @@ class TestToThePage:
             wait_for(lambda count=count: len(script.speeds) == count, "it was sent")  # type: ignore[misc]
         wait_for(lambda: page.state["_state"]["speed"] == Velocity(0.2, 0.5), "it is told")
         most = 6 + time.monotonic() - began
-        assert len(page.sent("_state")) < most, "a constant speed is told again and again, and not each second"
+        assert len(page.sent("_state")) < most, "a constant speed is reported at a low rate, not each second"
         feed.drive(0.0)
         wait_for(lambda: page.state["_state"]["speed"] == Velocity(), "the last is told")
         assert set(page.threads) == {"robowidgets-pacer"}
@@ -702,7 +702,7 @@ class TestProgram:
             setattr(pad, name, value)
         assert str(refusal.value) == f"{name}: expected a number above 0 and at most 1e+06, in {unit}; got {value!r}"
 
-    def test_a_send_that_is_no_function_is_refused(self) -> None:
+    def test_a_send_that_is_not_a_function_is_refused(self) -> None:
         with pytest.raises(TypeError, match=r"^send: expected a function of linear and angular speed, got 3$"):
             DriveWidget(send=3)
 

@@ -88,7 +88,7 @@ def test_a_scan_of_one_echo_is_all_of_its_echoes() -> None:
         (RAYS, [[1.0, 2.0, 3.0]], ("3 intensities for 6 echoes: not used",)),
     ],
 )
-def test_without_usable_intensities_nobody_can_tell_the_strongest_echo(rays, lit, said) -> None:
+def test_without_usable_intensities_the_strongest_echo_is_unknown(rays, lit, said) -> None:
     scan = to_scan(several(rays, lit))
     assert tuple(problem.what for problem in scan.problems()) == said
     strongest = scan.echo("strongest")
@@ -98,7 +98,7 @@ def test_without_usable_intensities_nobody_can_tell_the_strongest_echo(rays, lit
     assert len(strongest.echo("last").problems()) == len(said)
 
 
-def test_rays_without_any_echo_are_no_measurements() -> None:
+def test_rays_without_any_echo_are_not_measurements() -> None:
     scan = to_scan(several([[], []], []))
     assert scan.counts[Validity.NO_MEASUREMENT] == 2
     assert len(to_scan(several([], []))) == 0
@@ -113,7 +113,7 @@ def test_rays_without_any_echo_are_no_measurements() -> None:
         ([{"echoes": [1.0] * 101}], "ranges: expected at most 100 echoes of a ray, got 101"),
     ],
 )
-def test_echoes_that_are_none_are_refused(ranges, text) -> None:
+def test_invalid_echoes_are_refused(ranges, text) -> None:
     with pytest.raises((TypeError, ValueError), match=text):
         to_scan({**several(), "ranges": ranges})
 

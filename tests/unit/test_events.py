@@ -1,4 +1,4 @@
-"""From messages to events: what each type says, of what repeats only changes, and how a list keeps them."""
+"""From messages to events: the events of each type, repeated events only if they change, and their list."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ class TestTheLog:
             log.add(Event(f"{i}" + "x" * 1_000_000), 9.0)
         assert [(row.text, row.length) for row in log.rows] == [("1xxx", 1_000_001), ("2xxx", 1_000_001)]
 
-    def test_texts_that_differ_beyond_what_is_kept_only_by_their_length_are_told_apart(self) -> None:
+    def test_texts_that_differ_beyond_the_kept_part_are_distinguished_by_their_length(self) -> None:
         log = EventLog(3, 4, 100)
         log.add(Event("aaaaa"), 0.0)
         log.add(Event("aaaaaa"), 1.0)

@@ -1,4 +1,4 @@
-"""`EventsWidget`: what Python code says to it and hears from it, without a page."""
+"""`EventsWidget`: its Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def events() -> Iterator[EventsWidget]:
 
 
 def sent(widget: EventsWidget) -> list[Any]:
-    """The texts of the rows as the page merges them: those that are sent seldom, and those after them."""
+    """The texts of the rows as the page merges them: the block that is sent seldom, and the rows after it."""
     state = widget.get_state()
     old, new = (json.loads(bytes(state[name]) or b"[]") for name in ("_old", "_new"))
     first = new[0][0] if new else float("inf")
@@ -73,7 +73,7 @@ def test_events_are_added_by_hand_with_a_time_that_does_not_go_back(events: Even
         (lambda e: e.add("x", time=float("nan")), ValueError, "time"),
     ],
 )
-def test_what_is_no_event_is_refused_and_the_list_stays(
+def test_what_is_not_an_event_is_refused_and_the_list_stays(
     events: EventsWidget, call: Any, error: type[Exception], text: str
 ) -> None:
     events.add("good")
@@ -101,7 +101,7 @@ def test_a_repeated_line_is_counted_also_after_it_was_sent(events: EventsWidget)
     assert json.loads(bytes(events.get_state()["_new"]))[-1][5:8] == ["line 99", "", 2]
 
 
-def test_the_oldest_rows_go_and_it_is_told_how_many(events: EventsWidget) -> None:
+def test_the_oldest_rows_go_and_their_number_is_reported(events: EventsWidget) -> None:
     for i in range(MOST_ROWS + 5):
         events.add(f"line {i}")
     assert len(events.rows) == MOST_ROWS
@@ -110,7 +110,7 @@ def test_the_oldest_rows_go_and_it_is_told_how_many(events: EventsWidget) -> Non
     assert (events.rows, sent(events)) == ((), [])
 
 
-def test_missed_messages_are_told(events: EventsWidget) -> None:
+def test_missed_messages_are_reported(events: EventsWidget) -> None:
     events.miss(3)
     events.add("x")
     assert events.get_state()["_about"]["notes"] == ["3 messages came too fast, and are not in the list"]

@@ -1,4 +1,4 @@
-"""What ``robowidgets find`` refuses, and what ends it early."""
+"""Refusals and early ends of ``robowidgets find``."""
 
 from __future__ import annotations
 
@@ -57,12 +57,12 @@ def test_a_sector_is_given_in_degrees_or_by_name(
     assert json.loads(capsys.readouterr().out)["condition"].endswith(where)
 
 
-def test_a_sector_that_is_none_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_invalid_sector_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["find", FILE, "--nearest-below", "0.5", "--sector", "frnt", "30deg"]) == 2
     assert "find: --sector: expected radians, or degrees as in \"20deg\", got 'frnt'" in capsys.readouterr().err
 
 
-def test_a_sector_of_an_unknown_name_is_told_the_names(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_name_of_a_sector_is_refused_with_the_known_names(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["find", FILE, "--nearest-below", "0.5", "--sector", "ahead"]) == 2
     assert "find: --sector: expected front, left, back, right or two angles" in capsys.readouterr().err
 

@@ -1,4 +1,4 @@
-"""Notebooks run in a real server of JupyterLab before anybody opens them."""
+"""Notebooks that ran in a real JupyterLab server before a user opens them."""
 
 import json
 import os
@@ -20,12 +20,12 @@ NOTEBOOKS = {
     "asking": ["print('begin')", "input()", "print('never')"],
     "foreign": ["print('never')"],
 }
-# For a format that nothing here has, jsonschema makes a grammar at its import, which takes half of a server's start.
+# For an unknown format, jsonschema builds a grammar at its import, which takes half of a server's start time.
 QUICK = """
 import sys
 sys.modules["rfc3987_syntax"] = None
 """
-# Runs every notebook of a folder in one server, and prints what came of it.
+# Runs every notebook of a folder in one server, and prints the results.
 RUN_ALL = (
     QUICK
     + """
@@ -88,7 +88,7 @@ _lab.run(Path(sys.argv[1]), 0, False, print)
 
 
 def write(file, sources, kernel=KERNEL):
-    import nbformat  # takes two seconds, of each process that collects tests
+    import nbformat  # takes two seconds in each process that collects tests
 
     cells = [nbformat.v4.new_code_cell(source) for source in sources]
     if file.stem == "whole":
@@ -103,7 +103,7 @@ def environment(folder):
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """What came of each notebook: its cells, what was said, whether it is trusted, what its kernels answer."""
+    """The results of each notebook: its cells, its messages, its trust, and the answers of its kernels."""
     import nbformat
 
     folder = tmp_path_factory.mktemp("notebooks")
@@ -144,7 +144,7 @@ def test_a_notebook_holds_what_its_cells_show_and_the_state_of_its_widgets(run):
 
 
 @pytest.mark.versions
-def test_a_cell_that_is_worth_nothing_when_nobody_looks_is_left_alone(run):
+def test_a_cell_without_value_in_an_unattended_run_is_left_alone(run):
     cell = run["whole"][0].cells[1]
     assert (cell.execution_count, cell.outputs) == (None, [])
 
@@ -158,7 +158,7 @@ def test_a_cell_that_is_worth_nothing_when_nobody_looks_is_left_alone(run):
         ("dying", "The kernel failed: Kernel died."),
     ],
 )
-def test_what_goes_wrong_is_said_and_what_was_shown_before_is_kept(run, name, reason):
+def test_what_goes_wrong_is_reported_and_what_was_shown_before_is_kept(run, name, reason):
     notebook, (said,), trusted, answers = run[name]
     assert said.startswith(reason)
     assert said.endswith(". Please run the remaining cells yourself.")
@@ -168,7 +168,7 @@ def test_what_goes_wrong_is_said_and_what_was_shown_before_is_kept(run, name, re
 
 
 @pytest.mark.versions
-def test_a_kernel_that_is_not_there_is_said(run):
+def test_a_missing_kernel_is_reported(run):
     notebook, said, _, answers = run["foreign"]
     assert said == ["The kernel failed: No such kernel named cobol. Please run the remaining cells yourself."]
     assert texts(notebook) == [[]]

@@ -1,4 +1,4 @@
-"""The robot to scale: what a footprint takes, and what the page gets of it."""
+"""The robot to scale: the arguments of a footprint, and its data for the page."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_a_footprint_takes_the_widgets_of_a_view_that_is_made_later() -> None:
     assert plain._robot == {}
 
 
-def test_a_closed_widget_is_none_of_a_footprint() -> None:
+def test_a_closed_widget_is_not_a_widget_of_a_footprint() -> None:
     laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
     together(laser, speed, touch)
     speed.close()
@@ -73,7 +73,7 @@ def test_a_closed_widget_is_none_of_a_footprint() -> None:
         ({"radius": 1, "touch": "left"}, TypeError, "touch: expected a TouchWidget, got 'left'"),
     ],
 )
-def test_what_is_no_footprint_is_refused(fields: dict[str, Any], error: type[Exception], text: str) -> None:
+def test_what_is_not_a_footprint_is_refused(fields: dict[str, Any], error: type[Exception], text: str) -> None:
     with pytest.raises(error, match=text):
         Footprint(**fields)
 

@@ -1,4 +1,4 @@
-"""A sensor that is added by a sample, a reader, a widget and one row is opened, found, played and fed as the others."""
+"""A sensor added by a sample, a reader, a widget and one row is opened, found, played and fed like the others."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_a_recording_feeds_them(path: Path) -> None:
     with feeds.recording(path, speed=20.0, loop=True) as feed:
         view = feed.show("/depth", "/level")
         wait_for(lambda: {"/depth", "/level"} <= view.widgets.keys(), "both widgets")
-        # Until a message has told its kind, a topic of texts is shown as events.
+        # Until its first message shows its kind, a topic of texts is shown as events.
         wait_for(lambda: all(isinstance(one, NumberWidget) for one in view.widgets.values()), "their kinds")
         level = view.widgets["/level"]
         wait_for(lambda: level.number is not None and level.number.unit == "m", "a distance")

@@ -1,4 +1,4 @@
-"""Programs that host widgets without cells, and say that something else is the shell of IPython."""
+"""Programs that host widgets without cells, and name something else as the shell of IPython."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 pytestmark = [pytest.mark.slow, pytest.mark.versions]
 
 STAND_INS = {
-    # As Solara's, which makes another one for each call.
+    # Like Solara's, which makes a new one for each call.
     "of Solara": """
 class StandIn:
     def __init__(self):

@@ -1,4 +1,4 @@
-"""What lies over the pictures of a camera, and why something does not."""
+"""Overlays on the pictures of a camera, and the reasons for a missing one."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_the_scan_nearest_to_the_picture_by_its_stamp_lies_over_it() -> None:
 
 
 @pytest.mark.parametrize("wrong", [nan, None])
-def test_a_transform_without_a_pose_hides_no_sensor_beside_it(wrong: float | None) -> None:
+def test_a_transform_without_a_pose_hides_no_other_sensor(wrong: float | None) -> None:
     with closing(ImageWidget()) as image:
         image.take_frames(map_scene.tf_of_rosbridge(("base_link", "wheel", wrong), ("base_link", "laser", 0.1)))
         assert image.beside.frames.chain("laser") == ["laser", "base_link"]
@@ -122,7 +122,7 @@ def test_a_message_that_joins_no_frames_is_left_out() -> None:
         assert image.beside.frames.chain("laser") == ["laser"]
 
 
-def test_the_page_is_told_of_each_reading_in_the_picture_by_its_index() -> None:
+def test_the_page_gets_each_reading_in_the_picture_by_its_index() -> None:
     image, laser = ImageWidget(title="/camera/image_rect"), LaserWidget(title="/scan")
     together(laser, image)
     laser.sectors["front"] = ("-5deg", "5deg")
@@ -220,7 +220,7 @@ def test_a_player_lays_the_nearest_scan_over_each_picture(tmp_path: Path) -> Non
     widget.close()
 
 
-def test_sonars_without_tf_are_where_their_readings_or_a_person_says_and_one_line_tells_of_the_others() -> None:
+def test_sonars_without_tf_are_placed_by_readings_or_the_user_and_one_line_names_the_others() -> None:
     image, ring = ImageWidget(title="/camera/image_rect"), SonarWidget(poses={"front": (0.2, 0.0, 0.0)})
     together(image, ring)
     image.calibrate(INFO)
@@ -249,7 +249,7 @@ def test_infrared_is_a_thin_cone() -> None:
     assert 0 < widths["infrared"] < 0.3 * widths["ultrasound"]
 
 
-def test_of_two_scanners_that_which_is_shown_beside_it_lies_over_the_picture() -> None:
+def test_of_two_scanners_the_one_shown_next_to_it_lies_over_the_picture() -> None:
     image, laser = ImageWidget(title="/camera/image_raw"), LaserWidget(title="/tilt_scan")
     topics = dict.fromkeys(("/base_scan", "/tilt_scan"), "sensor_msgs/msg/LaserScan")
     ((base, _),) = image.topics_beside(topics)
@@ -257,7 +257,7 @@ def test_of_two_scanners_that_which_is_shown_beside_it_lies_over_the_picture() -
     together(laser, image)
     ((tilt, _),) = image.topics_beside(topics)
     assert (base, tilt) == ("/base_scan", "/tilt_scan")
-    assert not image.beside.scans  # those of the other one
+    assert not image.beside.scans  # its scans were of the other scanner
     image.calibrate(INFO)
     image.take_frames(TF)
     image.take_scan(scan_at(SECOND))
@@ -289,7 +289,7 @@ def test_a_recording_shows_its_camera_with_what_is_kept_on_the_laser_and_its_dep
         laser.sectors["near"] = ("-10deg", "10deg")
         assert image._edition > edition  # the player sends its pictures again
         assert "near" in [one["name"] for one in told("/camera/image_raw")["over"]["drawn"]]
-        # The page may put it off and on again without Python.
+        # The page may turn it off and on again without Python.
         image.overlay = False
         assert "over" in told("/camera/image_raw")
         about = told("/camera/depth/image_rect_raw")
@@ -317,7 +317,7 @@ def test_a_laser_says_what_it_needs_of_a_depth_image() -> None:
     laser.close()
 
 
-def test_the_first_picture_stands_beside_a_laser_that_stands_alone_and_others_below() -> None:
+def test_the_first_picture_stands_next_to_a_laser_that_stands_alone_and_others_below() -> None:
     laser, speed = LaserWidget(), SpeedWidget()
     images = [ImageWidget(), ImageWidget()]
     screen = OneScreen()

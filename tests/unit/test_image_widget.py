@@ -1,4 +1,4 @@
-"""The image widget: what it shows, keeps, answers and refuses."""
+"""The image widget: pictures, history, answers and refusals."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_pixels_and_regions_are_read_as_of_an_array(widget: ImageWidget) -> None
     assert repr(widget) == "<ImageWidget /camera: Image: 6 x 4 rgb8>"
 
 
-def test_the_page_gets_the_pixels_and_what_is_said_of_them(widget: ImageWidget, page: Page) -> None:
+def test_the_page_gets_the_pixels_and_their_description(widget: ImageWidget, page: Page) -> None:
     widget.update(COLORS)
     wait_for(lambda: page.messages, "it was sent")
     frame = page.state["_frame"]
@@ -59,7 +59,7 @@ def test_the_page_gets_the_pixels_and_what_is_said_of_them(widget: ImageWidget, 
     assert page.state["_about"]["encoding"] == "rgb8"
 
 
-def test_what_cannot_be_understood_is_said_and_the_last_picture_stays(widget: ImageWidget, page: Page) -> None:
+def test_what_cannot_be_understood_is_reported_and_the_last_picture_stays(widget: ImageWidget, page: Page) -> None:
     widget.update(COLORS)
     wait_for(lambda: page.messages, "it was sent")
     with pytest.raises(ValueError, match="encoding: expected one of"):
@@ -72,7 +72,7 @@ def test_what_cannot_be_understood_is_said_and_the_last_picture_stays(widget: Im
     wait_for(lambda: "error" not in page.state["_about"], "a good one followed")
 
 
-def test_a_file_that_cannot_be_unpacked_is_said_once_and_the_last_picture_stays(
+def test_a_file_that_cannot_be_unpacked_is_reported_once_and_the_last_picture_stays(
     widget: ImageWidget, page: Page, caplog: pytest.LogCaptureFixture
 ) -> None:
     widget.update(COLORS)
@@ -136,7 +136,7 @@ def test_what_is_not_there_is_not_answered(widget: ImageWidget, page: Page, ques
     assert page.customs == []
 
 
-def test_a_question_that_is_none_is_answered_with_why(widget: ImageWidget, page: Page) -> None:
+def test_an_invalid_question_is_answered_with_the_reason(widget: ImageWidget, page: Page) -> None:
     widget.update(COLORS)
     wait_for(lambda: page.messages, "it was sent")
     ask(widget, {"region": [3, 1, 0, 2], "of": 1})
@@ -183,7 +183,7 @@ def test_a_picture_that_comes_while_another_is_packed_is_not_taken_for_it(
     assert page.customs == [{"pixel": [3, 5], "of": 1, "values": COLORS[3, 5].tolist()}]
 
 
-def test_the_frozen_picture_is_that_of_the_page(widget: ImageWidget) -> None:
+def test_the_frozen_picture_is_the_picture_on_the_page(widget: ImageWidget) -> None:
     widget.update(COLORS)
     widget.paused = True
     widget.update(COLORS + 1)
@@ -202,7 +202,7 @@ def test_a_calibration_gives_its_four_numbers(widget: ImageWidget) -> None:
         widget.calibrate({"p": 1})
 
 
-def test_a_calibration_is_that_of_the_pictures_that_come_where_these_are_scaled(widget: ImageWidget) -> None:
+def test_a_calibration_is_scaled_to_the_size_of_the_pictures(widget: ImageWidget) -> None:
     info = {"width": 640, "height": 480, "k": [500, 0, 319.5, 0, 500, 239.5, 0, 0, 1]}
     widget.calibrate(info)
     widget.update(np.ones((240, 320), np.float32))

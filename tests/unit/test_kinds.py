@@ -1,4 +1,4 @@
-"""The table of kinds: which messages are of which kind."""
+"""The table of kinds: the kind of each message type."""
 
 from __future__ import annotations
 
@@ -63,11 +63,11 @@ def test_unknown_types_are_judged_by_their_fields() -> None:
     assert kind_of_shape({"twist": "float64"}) is None
 
 
-def test_many_echoes_are_no_scan() -> None:
+def test_many_echoes_are_not_a_scan() -> None:
     assert kind_of_shape({**SCAN, "ranges": "sensor_msgs/msg/LaserEcho[]"}) is None
 
 
-def test_an_acceleration_is_no_speed_though_it_has_its_fields() -> None:
+def test_an_acceleration_is_not_a_speed_though_it_has_its_fields() -> None:
     assert is_standard("geometry_msgs/msg/Accel")
     assert kind_of_type("geometry_msgs/msg/Accel") is None
     assert not is_standard("my_robot_msgs/msg/Velocity")

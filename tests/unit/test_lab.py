@@ -1,4 +1,4 @@
-"""How JupyterLab's process ends."""
+"""The end of JupyterLab's process."""
 
 from __future__ import annotations
 

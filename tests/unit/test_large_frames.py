@@ -1,4 +1,4 @@
-"""Large frames: the next one goes when the page has drawn the last one, and none queues."""
+"""Large frames: the next one is sent when the page has drawn the last one, and none queues."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class LargeNumber(LargeFrameWidget[Number], NumberWidget):
 
 
 class Cell:
-    """Whether one is running."""
+    """True while one is running."""
 
     runs = False
 
@@ -34,7 +34,7 @@ class Cell:
 
 @pytest.fixture
 def clock() -> ManualClock:
-    # Later than any time of the pacer, which looks again only when a test does.
+    # Later than any time of the pacer, which checks again only on demand.
     return ManualClock(1e9)
 
 
@@ -65,7 +65,7 @@ class TestCredit:
         self, credit: Credit, clock: ManualClock, draws_in: int, most: int
     ) -> None:
         every, newest, sent, sent_at, behind = 33, 0, 0, 0, []
-        for now in range(10_000):  # milliseconds, of a page that needs so many for one
+        for now in range(10_000):  # milliseconds that a page needs for one frame
             newest = now // every + 1
             if sent and now == sent_at + draws_in:
                 behind.append(newest - sent)
@@ -131,7 +131,7 @@ class TestCredit:
     def test_a_budget_takes_over_while_a_cell_keeps_answers_from_being_heard(
         self, credit: Credit, clock: ManualClock, cell: Cell, size: int, interval: float
     ) -> None:
-        credit.on_drawn("page", 0)  # in the main thread, as where the host has no other one for it
+        credit.on_drawn("page", 0)  # in the main thread, as in a host without another thread for it
         credit.sent(1, size)
         cell.runs = True
         assert credit.says_paced
@@ -147,7 +147,7 @@ class TestCredit:
         assert not credit.may_send()
         assert not credit.says_paced
 
-    def test_a_cell_changes_nothing_where_answers_are_heard_beside_it(
+    def test_a_running_cell_changes_nothing_if_answers_arrive_meanwhile(
         self, credit: Credit, clock: ManualClock, cell: Cell
     ) -> None:
         in_a_thread(credit.on_drawn, "page", 0)
@@ -172,7 +172,7 @@ class TestWidget:
 
     @staticmethod
     def draw(widget: LargeNumber, number: float, **more: object) -> None:
-        """What a page answers, in a thread of its own as with ipykernel 7."""
+        """Answer as a page, in a separate thread as with ipykernel 7."""
         answer = {"drawn": number, "page": "one", **more}
         in_a_thread(widget._handle_custom_msg, answer, [])
 
@@ -188,7 +188,7 @@ class TestWidget:
         assert [number_in(frame) for frame in page.sent("_frame")] == [0, 9]
         assert [about["value"] for about in page.sent("_about")] == [0, 9]
 
-    def test_others_wait_for_it_only_where_nobody_says_that_it_is_drawn(
+    def test_others_wait_for_it_only_if_the_page_does_not_report_that_it_is_drawn(
         self, widget: LargeNumber, page: Page, cell: Cell, clock: ManualClock
     ) -> None:
         with widget._send_lock:  # so that the pacer does not send it
@@ -231,7 +231,7 @@ class TestWidget:
         pacer.flush()
         assert number_in(page.state["_frame"]) == 2
 
-    def test_the_page_is_told_that_it_gets_fewer_while_a_cell_runs(
+    def test_the_page_knows_that_it_gets_fewer_while_a_cell_runs(
         self, widget: LargeNumber, page: Page, cell: Cell, clock: ManualClock
     ) -> None:
         cell.runs = True
@@ -257,7 +257,9 @@ class TestWidget:
             {"drawn": 1, "page": "one", "lacks": []},
         ],
     )
-    def test_what_no_page_sends_is_no_answer(self, widget: LargeNumber, page: Page, content: object) -> None:
+    def test_a_message_that_no_page_sends_is_not_an_answer(
+        self, widget: LargeNumber, page: Page, content: object
+    ) -> None:
         widget.update(1)
         wait_for(lambda: page.messages, "the first was sent")
         widget._handle_custom_msg(content, [])

@@ -1,4 +1,4 @@
-"""`LaserWidget`: what Python code says to it and hears from it, without a page."""
+"""`LaserWidget`: its Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ class TestSettings:
         pacer.flush()
         assert laser.ray_angles == tuple(page.state["ray_angles"]) == (-np.pi / 2, 0.0, 0.5)
 
-    def test_marks_are_those_of_the_classes_without_a_reading(self, laser: LaserWidget) -> None:
+    def test_marks_belong_to_the_classes_without_a_reading(self, laser: LaserWidget) -> None:
         assert laser.marks == ["too_close", "nothing_in_range", "no_measurement", "outside_limits"]
         laser.marks = ["too_close"]
         with pytest.raises(TraitError, match="'too_close', 'nothing_in_range', 'no_measurement', 'outside_limits'"):
@@ -182,12 +182,12 @@ class TestSettings:
             pacer.flush()
             assert page.state[name] == value
 
-    def test_the_page_writes_what_a_person_does(self, laser: LaserWidget, page: Page) -> None:
+    def test_the_page_sends_the_actions_of_the_user(self, laser: LaserWidget, page: Page) -> None:
         laser.set_state({"hovered": 5, "pinned": 7, "view_range": 2.5})
         assert (laser.hovered, laser.pinned, laser.view_range) == (5, 7, 2.5)
         laser.set_state({"hovered": None, "pinned": None})
         assert (laser.hovered, laser.pinned) == (None, None)
-        assert page.sent("hovered") == [], "what the pointer does needs no echo"
+        assert page.sent("hovered") == [], "the page needs no echo of its pointer"
 
     def test_a_ray_can_be_pinned_and_let_go(self, laser: LaserWidget, page: Page) -> None:
         for index in (2, None):
@@ -286,7 +286,7 @@ class TestUpdate:
             ((), {**MESSAGE, "angle_min": 10**400}, r"^angle_min: expected a number, got 1000"),
         ],
     )
-    def test_what_is_no_scan_is_refused(self, laser: LaserWidget, given: tuple, fields: dict, text: str) -> None:
+    def test_what_is_not_a_scan_is_refused(self, laser: LaserWidget, given: tuple, fields: dict, text: str) -> None:
         with pytest.raises(TypeError, match=text):
             laser.update(*given, **fields)
         assert laser.scan is None
@@ -342,7 +342,7 @@ class TestUpdate:
         assert [record.levelno for record in caplog.records] == [logging.ERROR]
         assert laser.scan.ranges.tolist() == [1.0, 2.0, 3.0]
 
-    def test_what_was_odd_is_said(self, laser: LaserWidget, page: Page) -> None:
+    def test_what_was_odd_is_reported(self, laser: LaserWidget, page: Page) -> None:
         laser.update(**MESSAGE, intensities=[1.0], header={"frame_id": "base_laser"})
         pacer.flush()
         assert page.state["_about"] == {
@@ -350,7 +350,7 @@ class TestUpdate:
             "problems": (("1 intensities for 3 rays: not used", "the driver should send one for each, or none"),),
         }
 
-    def test_a_rate_that_falls_below_half_is_said_and_goes_when_it_recovers(
+    def test_a_rate_that_falls_below_half_is_reported_and_goes_when_it_recovers(
         self, laser: LaserWidget, page: Page
     ) -> None:
         laser._newest.meter._rates.extend([10.0] * 20 + [4.0] * 3)
@@ -376,7 +376,7 @@ class TestUpdate:
         assert laser.scan.problems() == live
         assert len(live) == 2
 
-    def test_a_stamp_that_no_clock_can_say_is_no_stamp(self, laser: LaserWidget) -> None:
+    def test_a_stamp_that_no_clock_can_have_is_not_a_stamp(self, laser: LaserWidget) -> None:
         laser.update(MESSAGE | {"header": {"stamp": {"sec": 10**30, "nanosec": 0}, "frame_id": ""}})
         assert FRAME_HEADER.unpack_from(laser.get_state()["_frame"])[2] == 0
 
@@ -445,7 +445,7 @@ class TestScanOnShow:
         assert laser.scan.ranges.tolist() == [9.0] * 5
         assert laser.frozen is None
 
-    def test_is_the_one_on_the_page_when_a_person_froze_it(self, laser: LaserWidget, page: Page) -> None:
+    def test_is_the_one_on_the_page_when_the_user_froze_it(self, laser: LaserWidget, page: Page) -> None:
         laser.update(MESSAGE)
         pacer.flush()
         on_the_page = page.state["_frame"]
@@ -480,14 +480,14 @@ class TestAngleOffset:
         laser.update(MESSAGE)
         assert laser.scan.angles.tolist() == pytest.approx([pi - 0.5, pi, pi + 0.5])
 
-    def test_turns_what_is_there_too(self, laser: LaserWidget, page: Page) -> None:
+    def test_turns_the_present_scan_too(self, laser: LaserWidget, page: Page) -> None:
         laser.update(**MESSAGE, header={"frame_id": "laser"})
         laser.angle_offset = radians(90)
         laser.angle_offset = radians(-90)
         pacer.flush()
         assert laser.scan.angle_min == pytest.approx(-0.5 - pi / 2)
         assert shown(laser, page.state["_frame"]).angle_min == pytest.approx(-0.5 - pi / 2)
-        assert FRAME_HEADER.unpack_from(page.state["_frame"])[0] == 1, "it is still the one scan that came"
+        assert FRAME_HEADER.unpack_from(page.state["_frame"])[0] == 1, "it is still the only scan that came"
         assert page.state["_about"]["frame_id"] == "laser"
         laser.angle_offset = 0
         assert laser.scan.angle_min == pytest.approx(-0.5)

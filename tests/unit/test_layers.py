@@ -52,7 +52,7 @@ def modules() -> dict[str, Path]:
 
 
 def statements(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
-    """The imports in a syntax tree, also those in functions and those for type checkers."""
+    """The imports in a syntax tree, including those in functions and those for type checkers."""
     for child in ast.walk(node):
         if isinstance(child, (ast.Import, ast.ImportFrom)):
             yield child
@@ -80,7 +80,7 @@ def imports(module: str) -> frozenset[str]:
 
 
 def known(parts: list[str]) -> str:
-    """The longest beginning of a dotted name that is a module; the package itself is ``__init__``."""
+    """The longest prefix of a dotted name that is a module; the package itself is ``__init__``."""
     for length in range(len(parts), 0, -1):
         if (name := ".".join(parts[:length])) in modules():
             return name
@@ -180,7 +180,7 @@ def part_of(module: str) -> str:
 
 
 def is_private(module: str) -> bool:
-    """Whether a module, or a folder that it lies in, is private to its part."""
+    """Return True if a module, or a folder that contains it, is private to its part."""
     return any(name.startswith("_") for name in module.split(".")[1:])
 
 
@@ -189,14 +189,14 @@ def test_private_modules_are_imported_by_their_own_part_alone() -> None:
 
 
 def front_end_imports() -> Iterator[tuple[str, str]]:
-    """Each file in a folder of the front end, with each of our files that it imports."""
+    """Each file in a folder of the front end, with the project's files that it imports."""
     for path in (*JS.glob("*/*.ts"), *JS.glob("shared/*/*.ts"), *JS.glob("*/*.css")):
         for name in re.findall(r'(?:from|import) "(\.[^"]+)"', path.read_text(encoding="utf-8")):
             yield path.relative_to(JS).as_posix(), (path.parent / name).resolve().relative_to(JS).as_posix()
 
 
 def test_a_folder_of_the_front_end_imports_from_itself_and_shared_alone() -> None:
-    """The scripts of exported pages and of the documentation, ``export/`` and ``site/``, are made of the widgets."""
+    """The scripts of exported pages and of the documentation, ``export/`` and ``site/``, consist of the widgets."""
     pairs = [(file, other) for file, other in front_end_imports() if not file.startswith(("export/", "site/"))]
     assert pairs
     assert [pair for pair in pairs if pair[1].split("/")[0] not in (pair[0].split("/")[0], "shared")] == []

@@ -1,4 +1,4 @@
-"""Marks: what a submission claims, replaces, writes or ends counts nothing; each one is named with what was wrong."""
+"""Marks: forged claims, replaced code, written files and early exits earn nothing; each is named in the report."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def function(name: str, body: str) -> str:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What a class handed in, with all that may be wrong with it, and graded."""
+    """The submissions of a class, with all possible faults, and their grades."""
     root = tmp_path_factory.mktemp("submitted")
     hand_in(root / "ada/lesson/a.ipynb", START, LEFT, LEFT_CHECK, "robot = feeds.simulator()", AHEAD, STOP, STATES)
     hand_in(root / "forger/f.ipynb", FORGED, function("nearest_on_the_left", f"exec({FORGED!r})\n    return 1.0"))
@@ -146,7 +146,7 @@ def test_the_command_marks_a_folder_and_refuses_one_that_is_not_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     hand_in(tmp_path / "ada/a.ipynb", START, LEFT, LEFT_CHECK)
-    (tmp_path / "types.py").write_text("raise SystemExit(9)", "utf-8")  # is no module of the grader
+    (tmp_path / "types.py").write_text("raise SystemExit(9)", "utf-8")  # is not a module of the grader
     monkeypatch.chdir(tmp_path)
     assert main(["lessons", "--grade", "."]) == 0
     assert "ada: 1 of 12 right" in capsys.readouterr().out
@@ -161,7 +161,7 @@ def test_the_command_marks_a_folder_and_refuses_one_that_is_not_there(
 
 
 def can_be_nobody() -> str:
-    """Why answers cannot run as a user without rights here; empty if they can."""
+    """The reason why answers cannot run here as a user without rights, or an empty text."""
     if not hasattr(os, "geteuid") or os.geteuid() != 0:
         return "only root may run answers as another user"
     import pwd
@@ -170,7 +170,7 @@ def can_be_nobody() -> str:
 
 
 def recipe() -> list[str]:
-    """The command that the documentation gives for Linux, as root has it."""
+    """The command of the documentation for Linux, as root runs it."""
     line = next(line for line in (ROOT / "docs" / "teach.md").read_text("utf-8").splitlines() if "unshare" in line)
     return line.removeprefix("sudo ").split()
 

@@ -1,4 +1,4 @@
-"""The judges of the tasks: no wrong answer made from a right one passes, and right ones in many styles do."""
+"""The judges of the tasks: wrong answers derived from right ones fail, and right answers in many styles pass."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from robowidgets.lessons._bounded import BrokenError, WrongError
 from robowidgets.lessons._check import TASKS
 
 GIVES_NO_ANSWER = ("returned", "did not move", "finite number")
-"""What errors say of answers that are broken, not wrong."""
+"""Error messages of answers that are broken, not wrong."""
 
 Answer = Callable[..., Any]
 Mutant = tuple[str, Answer]
 
 PICTURES = ("nearest_on_the_left", "wall_ahead", "fits_through", "bumper_reflex")
-"""Tasks of which an answer gets a sample; in the others it drives a robot."""
+"""Tasks whose answers get a sample; in the others, the answer drives a robot."""
 DRIVES = ("stop_at_wall", "slow_in_doorway", "stop_before_wall", "follow_wall", "back_off")
 
 
 @pytest.fixture(scope="module")
 def wrong_cases() -> Callable[[str, Answer], Iterator[str]]:
-    """What is wrong with an answer, by case, without the threads and limits of a check."""
+    """The faults of an answer, by case, without the threads and limits of a check."""
     cases = {name: task() for name, task in TASKS.items()}
 
     def found(name: str, answer: Answer) -> Iterator[str]:
@@ -61,7 +61,7 @@ def slices(scan: Scan, share: tuple[float, float]) -> Any:
 
 
 def sectors_but(right: tuple[float, float], lows: tuple[float, ...], highs: tuple[float, ...]) -> Iterator[Mutant]:
-    """The nearest thing in sectors whose sides, signs, limits, order or units are wrong."""
+    """The nearest thing in sectors with a wrong side, sign, limit, order or unit."""
     for low, high in product((*lows, right[0]), (*highs, right[1])):
         if (low, high) != right and high - low < 360:
             yield f"{low} to {high}", nearest(low, high)
@@ -125,7 +125,7 @@ STATES = {
     (False, False, True): (-0.2, 1.0),
     (True, False, True): (-0.2, -1.0),
 }
-"""What a right answer returns, by left, center and right; (0, 0) if one is unknown."""
+"""The return values of a right answer, by left, center and right; (0, 0) if one is unknown."""
 
 
 def table(changed: dict[Any, Any], unknown: Callable[[tuple[Any, ...]], bool] = lambda one: None in one) -> Answer:
@@ -542,7 +542,7 @@ class BacksOff(Follows):
 
 
 def steered(scan: Scan) -> Drive:
-    """Holds the wall at a distance, in proportion."""
+    """Keeps a distance to the wall, with proportional control."""
     if not ahead(scan) > 0.5:
         return Drive(0.0, 0.8)
     away = scan.distance(between(-60, -40))

@@ -1,4 +1,4 @@
-"""How far a student is: kept beside the notebook, shown in a line, handed in, and summed up for a class."""
+"""The progress of a student: saved next to the notebook, shown in a line, handed in, and summed up for a class."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..conftest import ROOT
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """The folder of a notebook, in which nothing is done yet."""
+    """The folder of a notebook without any progress."""
     monkeypatch.chdir(tmp_path)
     yield tmp_path
     _progress.forget()
@@ -41,7 +41,7 @@ def bumper_reflex(touch: Touch) -> tuple[float, float]:
 
 
 def wrong(turn: int) -> object:
-    """Another wrong answer for each number, as a cell of a notebook has it."""
+    """A different wrong answer for each number, as a cell of a notebook defines it."""
     import linecache
 
     source = f"def bumper_reflex(touch):\n    return 0.3, {turn}\n\n\nresult = lessons.check(bumper_reflex)\nresult"
@@ -65,7 +65,7 @@ class TestProgress:
         assert "<b>1 of 12 done</b>" in line.value
         assert progress.done == ("bumper_reflex",)
         assert "application/vnd.jupyter.widget-view+json" in progress._repr_mimebundle_()
-        assert repr(lessons.progress()) == "1 of 12 done"  # of a kernel that starts anew
+        assert repr(lessons.progress()) == "1 of 12 done"  # from a kernel that restarts
 
     def test_tries_are_different_answers_until_one_is_right_which_stays(self) -> None:
         lessons.progress()
@@ -82,7 +82,7 @@ class TestProgress:
         wrong(4)
         assert read(Path(FILE))["bumper_reflex"] == right
 
-    def test_the_answers_that_the_lessons_give_are_no_tries(self) -> None:
+    def test_the_answers_that_the_lessons_give_are_not_attempts(self) -> None:
         given = set()
         for name in ("from_picture_to_code", "from_code_to_behavior"):
             for cell in json.loads((ROOT / "notebooks" / f"{name}.ipynb").read_text("utf-8"))["cells"]:
@@ -101,7 +101,7 @@ class TestProgress:
         lessons.check(bumper_reflex)
         assert progress.done == ("bumper_reflex",)
 
-    def test_a_damaged_file_is_told_kept_aside_and_begun_anew(self, folder: Path) -> None:
+    def test_a_damaged_file_is_reported_kept_aside_and_replaced(self, folder: Path) -> None:
         (folder / FILE).write_text('{"kind": "robowidgets les', encoding="utf-8")
         progress = lessons.progress()
         assert repr(progress).startswith(f"0 of 12 done. {FILE} is damaged: ")
@@ -170,7 +170,7 @@ class TestReport:
         lessons.check(bumper_reflex)
         assert lessons.report("ada.json") == "ada.json: 1 of 12 done. Hand in this file"
         assert read(folder / "ada.json") == read(folder / FILE)
-        assert lessons.report("ada.json")  # again, over the report of before
+        assert lessons.report("ada.json")  # again, over the previous report
         for name in ("ada", "ada.txt", FILE):
             with pytest.raises(ValueError, match="expected a file name with your name"):
                 lessons.report(name)
@@ -200,9 +200,7 @@ class TestReport:
             (" " * 1_000_001, "is too large for a report: 1.0 MB"),
         ],
     )
-    def test_one_that_is_damaged_or_none_is_refused_with_what_is_wrong(
-        self, folder: Path, text: str, said: str
-    ) -> None:
+    def test_a_damaged_or_invalid_report_is_refused_with_the_reason(self, folder: Path, text: str, said: str) -> None:
         (folder / "ada.json").write_text(text, encoding="utf-8")
         with pytest.raises(ReportError, match=re.escape(said)):
             read(folder / "ada.json")
@@ -231,7 +229,7 @@ class TestSummary:
         said = capsys.readouterr().out
         rows = {line.split()[0]: line.split()[1:] for line in said.splitlines() if line.strip()}
         assert rows["ada"] == ["·", "✓?", *"···", "✓?", *"······", "2"]
-        assert rows["cy"] == ["·", "✓?", *"···", "4", *"······", "1"]  # of both of its folders
+        assert rows["cy"] == ["·", "✓?", *"···", "4", *"······", "1"]  # from both of its folders
         assert "2 stuck at fits_through: �[2J<i>bo, di\n  2 ×  drive closer by … m" in said
         assert "not read: torn.json is damaged: " in said
         assert "\x1b" not in said
@@ -249,7 +247,7 @@ class TestSummary:
         assert "default-src 'none'" in page
         assert found._repr_html_() in page
 
-    def test_reports_of_the_same_name_are_told_apart_by_their_folders(self, folder: Path) -> None:
+    def test_reports_of_the_same_name_are_distinguished_by_their_folders(self, folder: Path) -> None:
         for name in ("ada", "bo"):
             (folder / name).mkdir()
             write(folder / name / "report.json", {})
@@ -261,7 +259,7 @@ class TestSummary:
             write(folder / "7a" / name / "your-name.json", {})
         assert list(lessons.summary(folder).students) == ["7a/Ada/your-name", "7a/Bo/your-name"]
 
-    def test_a_file_beside_the_one_report_is_of_the_same_student(self, folder: Path) -> None:
+    def test_a_file_next_to_the_only_report_belongs_to_the_same_student(self, folder: Path) -> None:
         for name in ("ada", "both"):
             (folder / name).mkdir()
             write(folder / name / FILE, {"fits_through": Task(done=True)})
@@ -275,7 +273,7 @@ class TestSummary:
             "cy": 2,
         }
 
-    def test_names_and_answers_that_are_no_unicode_are_shown_with_codes(
+    def test_names_and_answers_that_are_not_unicode_are_shown_with_codes(
         self, folder: Path, capsysbinary: pytest.CaptureFixture[bytes]
     ) -> None:
         write(folder / "bo.json", {"fits_through": Task(tries=3, answer="a\ud800", wrong="\udfff")})
@@ -308,7 +306,7 @@ class TestSummary:
         assert "??  done;" in done.stdout.decode("cp1252")
         assert "✓" in (folder / "summary.html").read_text("utf-8")
 
-    def test_a_folder_with_notebooks_alone_is_a_student_who_has_answered_nothing(self, folder: Path) -> None:
+    def test_a_folder_with_only_notebooks_counts_as_a_student_without_answers(self, folder: Path) -> None:
         for name in ("ada", "bo", "cy", ".ipynb_checkpoints"):
             (folder / name / "lesson").mkdir(parents=True)
             (folder / name / "lesson" / "lesson.ipynb").write_text('{"cells": []}', encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The checks of the tasks: a right answer passes, and a wrong one is told what is still wrong."""
+"""The checks of the tasks: a right answer passes, and a wrong one gets a hint about its fault."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def check(name: str, answer: Callable[[Any], Any]) -> lessons.Result:
 
 
 def first_case(answer: Callable[..., Any], task: str, said: str) -> lessons.Result:
-    """Return the result of the first case of a task that says this about an answer; the cases after it take long."""
+    """Return the first result of a task that has this text for an answer; the cases after it take long."""
     results = (judged(answer, task, [case], Bounded()) for case in TASKS[task]())
     found = next((result for result in results if any(said in line for line in result.wrong)), None)
     assert found is not None, lessons.check(answer, task)
@@ -51,21 +51,21 @@ def turn_in_degrees(touch: Touch) -> tuple[float, float]:
 
 
 def keep_distance(scan: Scan, metres: float = 0.4) -> float:
-    """Backs off where it is too close, and where it sees nothing."""
+    """Backs off if it is too close, and if it sees nothing."""
     distance = ahead(scan)
     return 0.2 if distance > metres + 0.05 else 0.0 if distance > metres - 0.05 else -0.3
 
 
 class TestWrongAnswers:
     @pytest.mark.parametrize("name", NAMES)
-    def test_none_is_told_once_with_what_is_probably_missing(self, name: str) -> None:
+    def test_none_is_reported_once_with_the_probable_mistake(self, name: str) -> None:
         result = check(name, lambda _sample: None)
         assert not result
         assert len(result.wrong) == 1
         assert result.wrong[0].endswith("it returned None: does every path through it end with a return?")
 
     @pytest.mark.parametrize("name", NAMES)
-    def test_an_error_is_told_once_with_its_line_and_not_raised(self, name: str) -> None:
+    def test_an_error_is_reported_once_with_its_line_and_not_raised(self, name: str) -> None:
         (line,) = check(name, lambda _sample: 1 / 0).wrong
         assert "it raised an error, line " in line
         assert line.endswith("ZeroDivisionError: division by zero")
@@ -94,12 +94,12 @@ class TestWrongAnswers:
 
     @pytest.mark.parametrize("name", NAMES)
     @pytest.mark.parametrize("answer", ["0.4", [], {}, np.zeros(3), object()])
-    def test_what_is_no_answer_is_told_once_with_what_was_expected(self, name: str, answer: Any) -> None:
+    def test_what_is_not_an_answer_is_reported_once_with_what_was_expected(self, name: str, answer: Any) -> None:
         (line,) = check(name, lambda _sample: answer).wrong
         assert "it returned " in line
         assert "expected " in line
 
-    def test_what_raises_only_when_it_is_looked_at_is_told_too(self) -> None:
+    def test_what_raises_only_when_it_is_looked_at_is_reported_too(self) -> None:
         class Odd:
             def __repr__(self) -> str:
                 raise KeyError
@@ -116,16 +116,18 @@ class TestWrongAnswers:
                 assert "expected " in line
         assert "it returned <generator object " in check("bumper_reflex", yields).wrong[0]
 
-    def test_a_misspelt_name_is_told_with_the_right_one(self) -> None:
+    def test_a_misspelt_name_is_reported_with_the_right_one(self) -> None:
         (line,) = check("nearest_on_the_left", lambda scan: scan.distence("left")).wrong
         assert line.endswith("AttributeError: 'Scan' object has no attribute 'distence'; did you mean 'distance'?")
 
-    def test_a_notebook_gets_a_list_in_which_texts_are_no_markup(self) -> None:
+    def test_a_notebook_gets_a_list_in_which_texts_are_not_markup(self) -> None:
         shown = check("nearest_on_the_left", lambda _scan: "<b>2</b>")._repr_html_()
         assert shown.startswith("<div>nearest_on_the_left: right in 0 of 8 cases. Still wrong:</div><ul><li>a hall: ")
         assert "&lt;b&gt;2&lt;/b&gt;" in shown
 
-    def test_an_answer_that_asks_for_input_gets_an_error_and_asks_nobody(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_an_answer_that_asks_for_input_gets_an_error_and_shows_no_prompt(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         asked: list[str] = []
 
         def ask(prompt: str = "") -> str:
@@ -190,7 +192,7 @@ class TestWrongAnswers:
             ("slow_in_doorway", lambda _scan: 0.0, "after 40 s it has come only 0.0 m of 5.5 m"),
         ],
     )  # fmt: skip
-    def test_a_usual_mistake_is_told_apart(self, name: str, answer: Callable[[Any], Any], said: str) -> None:
+    def test_a_usual_mistake_is_distinguished(self, name: str, answer: Callable[[Any], Any], said: str) -> None:
         result = first_case(answer, name, said)
         assert not result
         assert result.sample is not None
@@ -267,7 +269,7 @@ def stay_after_touch(touch: Touch, time: float, state: Any) -> Drive:
 
 
 def turn_right(scan: Scan) -> Drive:
-    """The wall on the left, in place of the right."""
+    """The wall on the left, instead of the right."""
     side = scan.distance(("40deg", "60deg"))
     if not ahead(scan) > 0.5:
         return Drive(0, -1.0)
@@ -307,7 +309,7 @@ class TestPrograms:
             ("back_off", back_and_on),
         ],
     )
-    def test_a_right_one_is_told_so(self, task: str, answer: Any) -> None:
+    def test_a_right_answer_is_confirmed(self, task: str, answer: Any) -> None:
         assert str(lessons.check(answer, task)).endswith("Well done!")
 
     @pytest.mark.parametrize(
@@ -344,7 +346,7 @@ class TestPrograms:
             ("follow_wall", WithoutMoves, "class WithoutMoves has no 'moves' between its states; "),
         ],
     )  # fmt: skip
-    def test_a_usual_mistake_is_told_apart(self, task: str, answer: Any, said: str) -> None:
+    def test_a_usual_mistake_is_distinguished(self, task: str, answer: Any, said: str) -> None:
         assert not first_case(answer, task, said)
 
     @pytest.mark.slow
@@ -357,14 +359,14 @@ class TestPrograms:
 
     @pytest.mark.slow
     def test_a_speed_beyond_the_limits_of_a_live_robot_is_cut_as_there(self) -> None:
-        def fast(scan: Scan) -> Drive:  # from 1.2 m/s, the most that the motors can, it would take 0.7 m to stop
+        def fast(scan: Scan) -> Drive:  # from 1.2 m/s, the top speed of the motors, it would take 0.7 m to stop
             return Drive(9.0) if scan.distance("front") > 0.66 else Drive()
 
         result = lessons.check(fast, "stop_before_wall")
         assert not [line for line in result.wrong if "it hit" in line], result
 
     @pytest.mark.slow
-    def test_a_limit_that_is_off_is_not_blamed_on_what_is_ahead(self) -> None:
+    def test_a_wrong_limit_is_not_blamed_on_the_obstacle_ahead(self) -> None:
         for limit in (0.62, 0.65):
             result = lessons.check(lambda scan, limit=limit: Drive(0.2 * (ahead(scan) > limit)), "stop_before_wall")
             assert result.wrong
@@ -372,7 +374,7 @@ class TestPrograms:
                 assert "m: drive closer; or, if it stopped for" in line or line.endswith("m: drive closer")
                 assert " 0°" not in line
 
-    def test_a_machine_that_stands_in_its_first_state_is_told_so_and_not_asked_for_a_speed(self) -> None:
+    def test_a_machine_stuck_in_its_first_state_gets_that_hint_and_not_one_about_speed(self) -> None:
         class Backwards:
             near = Stop.near
 
@@ -427,7 +429,7 @@ class TestPrograms:
         assert "a wall ahead: its 161 steps took 10 s, 0.062 s each. A step returns at once" in line
 
     @pytest.mark.slow
-    def test_a_busy_computer_that_holds_up_most_steps_is_no_fault_of_the_answer(self) -> None:
+    def test_a_busy_computer_that_delays_most_steps_is_not_blamed_on_the_answer(self) -> None:
         now, steps = [0.0], itertools.count()
 
         def held_up(scan: Scan) -> Drive:
@@ -455,7 +457,7 @@ class TestPrograms:
         assert 0.45 <= now[0] <= 0.55
 
     @pytest.mark.slow
-    def test_swapped_angles_are_named_once_in_place_of_other_advice(self) -> None:
+    def test_swapped_angles_are_named_once_instead_of_other_advice(self) -> None:
         def swapped(scan: Scan) -> float:
             return scan.distance(("20deg", "-20deg"))
 

@@ -1,4 +1,4 @@
-"""What is imported for a lesson with the simulated robot: in a browser each package is fetched, and starts slowly."""
+"""Imports of a lesson with the simulated robot: in a browser each package is fetched, and starts slowly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The check of locks in every test finds what it is for."""
+"""The check of locks in every test finds wrong orders."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .lock_order import Checked, NotedLock, calls, edges, listed, problems_of
 
 
 def taken_by(*locks: NotedLock) -> None:
-    """Have a thread take locks, one while it holds those before."""
+    """Make a thread take locks, each while it holds the previous ones."""
 
     def take() -> None:
         for lock in locks:
@@ -30,7 +30,7 @@ def test_locks_of_the_package_are_noted_by_the_names_of_the_page() -> None:
     assert "NewestSample.lock" in listed()
 
 
-def test_locks_in_another_order_than_that_of_the_page_are_a_problem_for_one_test() -> None:
+def test_locks_in_another_order_than_on_the_page_are_a_problem_for_one_test() -> None:
     checked, (first, *_, last) = Checked(), listed()
     checked.problems()
     taken_by(NotedLock(threading.RLock(), first), NotedLock(threading.RLock(), last))

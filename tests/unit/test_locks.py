@@ -1,4 +1,4 @@
-"""How the package holds locks: an interrupt may come between any two steps of Python, and must leave none held."""
+"""The use of locks in the package: an interrupt may come between any two steps of Python, and must leave none held."""
 
 from __future__ import annotations
 
@@ -88,12 +88,12 @@ LOOPS = {
     "call": ("call()", "calls.clear(); call(); assert calls"),
     "program": ("program.replace(again); program.pause()", "assert rests(); assert steps()"),
 }
-"""A step of a loop, and what still works after an interrupt anywhere in it."""
+"""A step of a loop, and the checks after an interrupt anywhere in it."""
 MODULES = {str(path.relative_to(ROOT)): path for path in sorted(ROOT.rglob("*.py"))}
 
 
 def is_condition(node: ast.AST) -> bool:
-    """Whether this makes a condition: a `threading.Condition`, or that of a clock."""
+    """Return True if this makes a condition: a `threading.Condition`, or a condition of a clock."""
     return isinstance(node, ast.Call) and (
         ast.unparse(node.func) == "threading.Condition" or ast.unparse(node.func).endswith("clock.condition")
     )

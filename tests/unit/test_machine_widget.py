@@ -1,4 +1,4 @@
-"""`MachineWidget`: what the page is told of a state machine, how often, and what a step costs."""
+"""`MachineWidget`: the messages to the page about a state machine, their rate, and the cost of a step."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def page(robot: Feed) -> Iterator[Page]:
 
 
 def step(page: Page) -> dict[str, Any]:
-    """The last step that the page was told."""
+    """The last step that was sent to the page."""
     frame = page.state["_frame"]
     told: dict[str, Any] = json.loads(frame[FRAME_HEADER.size :]) if frame else {}
     return told
@@ -133,7 +133,7 @@ def test_it_tells_states_events_times_and_what_fired(script: Scripted, robot: Fe
     wait_for(lambda: page.state["_about"]["mode"] == "paused", "the pause is told")
 
 
-def test_a_new_version_is_told_once_and_a_function_in_its_place_is_named(robot: Feed, page: Page) -> None:
+def test_a_new_version_is_reported_once_and_a_function_in_its_place_is_named(robot: Feed, page: Page) -> None:
     class Blink:
         on = off = None
         moves = "on -> off after 0.01", "off -> on after 0.01"
@@ -154,7 +154,7 @@ def test_a_new_version_is_told_once_and_a_function_in_its_place_is_named(robot: 
     wait_for(lambda: page.state["_about"]["mode"] == "ended", "the machine is over")
 
 
-def test_an_error_is_told_and_the_last_good_step_stays(robot: Feed, page: Page) -> None:
+def test_an_error_is_reported_and_the_last_good_step_stays(robot: Feed, page: Page) -> None:
     class Fails:
         def first(variables):
             return Drive(0.1 / variables.x)
@@ -171,7 +171,7 @@ def test_an_error_is_told_and_the_last_good_step_stays(robot: Feed, page: Page) 
     assert page.state["_about"]["mode"] == "failed"
 
 
-def test_steps_are_told_twenty_times_a_second_and_the_newest_wins(robot: Feed, page: Page) -> None:
+def test_steps_are_reported_twenty_times_a_second_and_the_newest_wins(robot: Feed, page: Page) -> None:
     class Count:
         def one(state):
             state.n = state.get("n", 0) + 1
@@ -182,7 +182,7 @@ def test_steps_are_told_twenty_times_a_second_and_the_newest_wins(robot: Feed, p
     began = time.monotonic()
     program = robot.program(Count, rate=200)
     wait_for(lambda: step(page).get("states", {}).get("Count", [""])[0] == "two", "a second passes")
-    # Of the time that it really took: a program that is late does not say how often it was told.
+    # By the elapsed real time: the times of a late program do not give the number of messages.
     assert len(page.sent("_frame")) <= 2 + (time.monotonic() - began) / INTERVAL
     program.pause()
     wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is told")
@@ -230,7 +230,7 @@ def test_an_event_that_made_a_move_is_true_in_the_first_frame_after_it(robot: Fe
     program.pause()
     wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is told")
     frames = [json.loads(frame[FRAME_HEADER.size :]) for frame in page.sent("_frame")]
-    last = frames[-1]["time"]  # a step that was under way may still come
+    last = frames[-1]["time"]  # a step in progress may still come
     times = [fired.time for fired in program.version.function.fired if fired.why == "on ten" and fired.time <= last]
     shown = {next(frame["time"] for frame in frames if frame["time"] >= time) for time in times}
     assert shown == {frame["time"] for frame in frames if ["Ticks", "ten", True, ""] in frame["judged"]}
@@ -250,7 +250,7 @@ def test_it_takes_a_feed_alone() -> None:
         MachineWidget(3)
 
 
-def test_the_state_in_which_a_step_failed_is_told_until_it_goes_on(robot: Feed, page: Page) -> None:
+def test_the_state_in_which_a_step_failed_is_reported_until_it_goes_on(robot: Feed, page: Page) -> None:
     robot.variables.bad = False
 
     class Failing:

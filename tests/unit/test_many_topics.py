@@ -1,4 +1,4 @@
-"""A kind of which all topics of a namespace share a widget follows from its row, as one of a single topic does."""
+"""A kind whose topics share a widget by namespace follows from its row, like a kind of a single topic."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def recording(path: Path) -> Iterator[Recording]:
         yield opened
 
 
-def test_its_row_says_no_more_than_that_of_a_single_topic_but_for_the_roles() -> None:
+def test_its_row_only_adds_roles_to_the_row_of_a_single_topic() -> None:
     named = {"name", "sample_name", "noun", "types", "undecided", "widget", "to_message", "simulated"}
     other = {one.name for one in fields(Kind) if getattr(GAUGE, one.name) != getattr(NUMBER, one.name)}
     assert other - named == {"roles"}
@@ -71,7 +71,7 @@ def test_a_player_shows_all_of_a_namespace_in_one_widget_at_any_time(recording: 
         assert shown.seconds == pytest.approx({"left": 1.1, "right": 1.104})
         player.time = 0.25
         assert view.widget.gauges["left"].value == 2.0
-        assert view.widget.gauges.seconds["right"] == float("-inf"), "nothing came of it yet"
+        assert view.widget.gauges.seconds["right"] == float("-inf"), "it has no message yet"
     finally:
         player.close()
 
@@ -122,7 +122,7 @@ def test_a_view_of_a_robot_gives_later_topics_of_the_namespace_to_the_same_widge
         assert {topic for what, topic in script.asked if what == "unsubscribe"} == {t for _, t in script.asked}
 
 
-def test_a_person_connects_its_topics_as_those_of_any_widget() -> None:
+def test_the_user_connects_its_topics_as_for_any_widget() -> None:
     script = Scripted(LEFT, RIGHT)
     with Feed(script) as feed:
         widget = GaugesWidget()

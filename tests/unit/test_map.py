@@ -1,4 +1,4 @@
-"""The path widget as a map: what it takes, in which frame it draws that, and what the page gets."""
+"""The path widget as a map: its inputs, the frame of its drawing, and the data for the page."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .waiting import wait_for
 
 
 def shown(path: PathWidget) -> dict[str, Placed]:
-    """What each layer shows, by its name, as the page gets it."""
+    """The content of each layer, by its name, as the page gets it."""
     path.send_newest()
     names = {layer["number"]: layer["name"] for layer in path.get_state()["_map"]["layers"]}
     frame = path.get_state()["_frame"]
@@ -66,7 +66,7 @@ def scan_in(frame: str) -> Any:
 
 
 def drawn_in(path: PathWidget) -> dict[str, str | None]:
-    """The frame in which each layer is drawn, as the page is told it; None for none."""
+    """The frame in which each layer is drawn, as sent to the page, or None."""
     path.send_newest()
     return {layer["name"]: layer.get("frame") for layer in path.get_state()["_map"]["layers"]}
 
@@ -92,7 +92,7 @@ class TestItems:
         placed = to_map_item({"header": header, "child_frame_id": "marker", "transform": transform})
         assert (placed.frame_id, placed.pose) == ("map", pytest.approx((1.0, 2.0, 0.5)))
 
-    def test_a_sonar_is_a_cone_up_to_what_it_met_or_as_far_as_it_sees(self) -> None:
+    def test_a_sonar_is_a_cone_up_to_its_reading_or_its_range(self) -> None:
         met = to_map_item(Range(2.0, 0.1, 4.0, field_of_view=0.5, frame_id="/sonar"))
         assert (met.kind, met.frame_id, met.pose) == ("cone", "sonar", (0.0, 0.0, 0.0))
         assert np.hypot(*met.points.T) == pytest.approx([0.0, *[2.0] * (len(met.points) - 1)])
@@ -123,7 +123,7 @@ class TestItems:
 
 class TestFixes:
     @pytest.mark.parametrize("latitude", [0.0, 52.1, -33.9, 89.0])
-    def test_metres_east_and_north_are_those_of_the_radii_of_the_ellipsoid(self, latitude: float) -> None:
+    def test_metres_east_and_north_follow_the_radii_of_the_ellipsoid(self, latitude: float) -> None:
         a, e2 = 6_378_137.0, 0.00669437999014
         squared = 1 - e2 * sin(radians(latitude)) ** 2
         across, along = a / sqrt(squared), a * (1 - e2) / squared**1.5
@@ -157,7 +157,7 @@ class TestFixes:
         assert shown(path)["/fix"].pose.y == pytest.approx(111.26, abs=0.01)
         assert (path.get_state()["_about"]["frame_id"], missing(path)) == (EAST_NORTH, {})
 
-    def test_a_receiver_without_a_fix_is_no_frame_of_the_map(self) -> None:
+    def test_a_receiver_without_a_fix_is_not_a_frame_of_the_map(self) -> None:
         path = PathWidget()
         path.put("/fix", fix(0.0, 0.0))
         path.put("/pose", stamped("odom", 1.0, 2.0, 0.0))
@@ -290,7 +290,7 @@ class TestMapFiles:
     @pytest.mark.parametrize(
         ("mode", "cells"),
         [
-            # Trinary takes the mean of red, green, blue and alpha: 0, 0.5 and 0.75 of white for what is transparent.
+            # Trinary uses the mean of red, green, blue and alpha: 0, 0.5 and 0.75 of white for transparent pixels.
             ("trinary", [[100, 0, -1, -1, 0]]),
             # Scale: each pixel that is not opaque is unknown.
             ("scale", [[100, 0, -1, -1, -1]]),
@@ -322,7 +322,7 @@ class TestMapFiles:
         with pytest.raises(ValueError, match=why):
             load_map(self.write(tmp_path, [[0, 255]], **about))
 
-    def test_files_that_are_no_map_are_named(self, tmp_path: Path) -> None:
+    def test_files_that_are_not_a_map_are_named(self, tmp_path: Path) -> None:
         (tmp_path / "other.yaml").write_text("a: 1")
         with pytest.raises(ValueError, match=r"other.yaml: expected the YAML file of a map"):
             load_map(tmp_path / "other.yaml")
@@ -377,7 +377,7 @@ class TestFrames:
         layers.put("/scan", MapItem("scan", "base_link", points=np.ones((3, 2))), 46.0, 46 * second)
         assert layers.notes() == []
 
-    def test_the_page_is_told_of_an_old_transform(self) -> None:
+    def test_the_page_shows_that_a_transform_is_old(self) -> None:
         path = PathWidget()
         path.put("/tf", scene.tf("map", "odom", (0.0, 0.0, 0.0), 1.0))
         path._layers.add_frames(
@@ -402,7 +402,7 @@ class TestFrames:
         path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
         path.put("/other", stamped("camera", 5.0, 6.0, 0.0))
         path.put("/scan", scan_in("base_link"))
-        path.put("/far", scan_in("truck"))  # which is on no map
+        path.put("/far", scan_in("truck"))  # which is not on a map
         assert shown(path)["/other"].pose == (5.0, 6.0, 0.0)
         assert drawn_in(path) == {"/odom": "odom", "/other": "camera", "/scan": "odom", "/far": None}
         assert missing(path) == {"/far": "not drawn: no transform to odom"}
@@ -418,7 +418,7 @@ class TestFrames:
             path.put("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 2.0), time=seconds)
         assert path.distance("/odom", "/other")[1][-1] == hypot(4.0, 8.0)
 
-    def test_two_receivers_have_one_origin_and_the_page_is_told_once(self) -> None:
+    def test_two_receivers_have_one_origin_and_the_page_gets_it_once(self) -> None:
         path, listings = PathWidget(), set()
         for i in range(3):
             path.put("/front", fix(48.0, 9.0 + 1e-6 * i))
@@ -465,7 +465,7 @@ class TestFrames:
         (shape,) = path.get_state()["_about"]["shapes"]
         assert (shape["name"], shape["from"]) == ("door", pytest.approx([2.0, 3.0, 0.5]))
 
-    def test_a_transform_with_null_is_told_too_and_a_frame_on_show_moves_with_those_beside_it(self) -> None:
+    def test_a_transform_with_null_is_reported_too_and_a_frame_on_show_moves_with_its_neighbours(self) -> None:
         path = PathWidget(frame="map")
         path.put("map->odom")
         message = scene.tf_of_rosbridge(("map", "camera", None), ("map", "odom", 1.0), ("map", "lens", None))
@@ -475,7 +475,7 @@ class TestFrames:
             path.put("/tf", message)
         assert shown(path)["map->odom"].pose == (1.0, 0.0, 0.0)
 
-    def test_a_transform_without_a_pose_is_told_and_the_others_of_its_message_join(self) -> None:
+    def test_a_transform_without_a_pose_is_reported_and_the_others_of_its_message_join(self) -> None:
         path = PathWidget(frame="map")
         wrong, right = scene.tf("map", "camera", (nan, 0.0, 0.0), 1.0), scene.tf("map", "odom", (1.0, 0.0, 0.0), 1.0)
         with pytest.raises(ValueError, match=r"/tf: 'camera' in 'map' has no valid pose: nan"):
@@ -563,7 +563,7 @@ class TestLayers:
         path = PathWidget()
         path.update("/odom", scene.odometry(Pose(1.0, 0.0, 0.0), 1.0))
         assert path.pose is not None
-        assert (path.pose.x, path.names) == (1.0, ()), "one topic of poses is a path, as ever"
+        assert (path.pose.x, path.names) == (1.0, ()), "one topic of poses is a path, as before"
         path.update("/amcl_pose", scene.amcl(Pose(1.0, 2.0, 0.0), 1.0))
         path.update("/odom", scene.odometry(Pose(2.0, 0.0, 0.0), 2.0))
         assert path.names == ("/odom", "/amcl_pose")
@@ -584,7 +584,7 @@ class TestRecordings:
         ],
     )
     @pytest.mark.slow
-    def test_places_are_those_of_rosbags_to_the_last_bit(
+    def test_places_match_rosbags_to_the_last_bit(
         self, data: Path, name: str, topic: str, place: Callable[[Any], Any]
     ) -> None:
         with AnyReader([data / name]) as reader:
@@ -651,12 +651,12 @@ def map_of(player: Any) -> Any:
 
 
 def way_of(player: Any) -> Any:
-    """The frame of the map, and the ways of its layers by their numbers."""
+    """The frame of the map, and the paths of its layers by their numbers."""
     whole = map_of(player).widget.whole_map
     return whole.frame, dict(whole.tracks())
 
 
-class TestWhatIsReadOfARecording:
+class TestReadingOnlyPartsOfARecording:
     def test_a_receiver_that_has_no_fix_at_first_has_its_way_from_the_first_fix_on(self, tmp_path: Path) -> None:
         fixes = [fix(nan, nan, status=-1), *(fix(52.0 + i * 1e-5, 4.0) for i in range(10))]
         messages = [(float(i), "/fix", one) for i, one in enumerate(fixes)]

@@ -1,4 +1,4 @@
-"""`MessageWidget`: what it packs of messages of any type, what it refuses, and what Python hears of it."""
+"""`MessageWidget`: packing of messages of any type, refusals, and the values that Python receives."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def battery(**changed: Any) -> Any:
     return made("sensor_msgs/msg/BatteryState", **fields | changed)
 
 
-class TestWhatIsPacked:
+class TestPackedContent:
     def test_is_each_field_with_its_type_its_unit_and_the_names_of_its_numbers(self) -> None:
         got = sent(battery())
         assert got.about["type"] == "sensor_msgs/BatteryState"
@@ -227,7 +227,7 @@ class TestAMessage:
         assert sent(scan).values["ranges"][0] == 4
         assert sent(SimpleNamespace(x=1, inner=SimpleNamespace(y="two"))).values["inner.y"] == "two"
 
-    def test_of_a_recording_is_that_of_its_moment(self) -> None:
+    def test_of_a_recording_belongs_to_its_moment(self) -> None:
         with robowidgets.open(robowidgets.SAMPLE) as recording:
             moment = recording.message_at("/odom", 5.0)
             assert moment is not None
@@ -236,7 +236,7 @@ class TestAMessage:
             assert got.nodes["twist.twist.linear.x"]["unit"] == "m/s"
 
     @pytest.mark.parametrize("wrong", [3, "text", None, [1, 2], b"raw", {}])
-    def test_that_is_none_is_refused(self, widget: MessageWidget, wrong: Any) -> None:
+    def test_that_is_invalid_is_refused(self, widget: MessageWidget, wrong: Any) -> None:
         with pytest.raises(TypeError, match=r"expected a message with fields, such as \{'speed': 0.3\}, got"):
             widget.update(wrong)
 
@@ -296,7 +296,7 @@ class TestPython:
         assert widget.message is second
         assert widget.frozen is None
 
-    def test_hears_the_message_to_which_a_person_stepped_back(self, widget: MessageWidget) -> None:
+    def test_hears_the_message_to_which_the_user_stepped_back(self, widget: MessageWidget) -> None:
         messages = [battery(voltage=float(i)) for i in range(3)]
         frames = []
         for message in messages:
@@ -326,7 +326,7 @@ class TestPython:
 
 
 def differences(value: Any, got: Sent, path: str) -> Iterator[str]:
-    """The paths of what the page has in another way than a message of rosbags."""
+    """The paths at which the page's values differ from a message of rosbags."""
     if hasattr(value, "__msgtype__"):
         if path in got.nodes and got.nodes[path]["kind"] == "time":
             if got.values[path] != [value.sec, value.nanosec]:
@@ -377,7 +377,7 @@ def test_the_page_has_each_number_of_real_recordings_to_the_last_bit(data: Path)
 
 
 def _all_of(message: Any) -> Sent:
-    """What the page has of a message when a person has unfolded all of it."""
+    """The message data in the page after the user has unfolded all of it."""
     widget = MessageWidget()
     try:
         while True:

@@ -1,4 +1,4 @@
-"""`to_scan`, `to_speed` and `to_range` take what each source hands over, and say what is odd."""
+"""`to_scan`, `to_speed` and `to_range` accept the messages of each source, and report odd ones."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def test_a_scan_does_not_follow_a_buffer_that_its_driver_fills_again(writeable: 
 
 
 class TestRange:
-    def test_a_single_distance_is_told_how_it_goes(self) -> None:
+    def test_a_single_distance_is_refused_with_an_example(self) -> None:
         message = {"range": 1.0, "min_range": 0.1, "max_range": 4.0, "field_of_view": 0.3, "radiation_type": 0}
         with pytest.raises(
             TypeError, match=r"\(missing: ranges, .*\); a single distance is one ray: ranges=\[message\.range\]"
@@ -158,7 +158,7 @@ class TestRange:
 
 
 def odd(scan: Scan) -> tuple[str, ...]:
-    """The problems of a scan, each of which has a remedy."""
+    """The problems of a scan, each with a remedy."""
     assert all(problem.remedy for problem in scan.problems())
     return tuple(problem.what for problem in scan.problems())
 
@@ -259,7 +259,7 @@ class TestOddScan:
         assert odd(scan) == ("time_increment is 153333 s: not used", "scan_time is 1.1e+08 s: not used")
 
     @pytest.mark.parametrize(("value", "word"), [(nan, "nan"), (-1.0, "-1"), (inf, "inf")])
-    def test_times_that_are_none_are_noted(self, value: float, word: str) -> None:
+    def test_invalid_times_are_noted(self, value: float, word: str) -> None:
         assert odd(to_scan(laser(scan_time=value))) == (f"scan_time is {word} s: not used",)
 
     def test_a_header_that_differs_and_times_that_are_absurd_are_both_noted(self) -> None:
@@ -299,7 +299,7 @@ class TestSpeed:
         speed = to_speed(form(type_name, fields))
         assert speed == Speed((0.5, 0.0, 0.0), (0.0, 0.0, -0.25), stamp, frame)
 
-    def test_null_is_no_value_and_never_0(self) -> None:
+    def test_null_is_not_a_value_and_never_0(self) -> None:
         speed = to_speed(twist(x=None, y=nan, z=inf))
         assert np.isnan(speed.linear[:2]).all()
         assert speed.linear[2] == inf
@@ -356,7 +356,7 @@ class TestDistance:
     def test_has_the_name_of_its_radiation(self, code: object, radiation: str) -> None:
         assert to_range(ranger(radiation_type=code)).radiation == radiation
 
-    def test_null_is_no_measurement_and_no_limit(self) -> None:
+    def test_null_is_not_a_measurement_and_not_a_limit(self) -> None:
         read = to_range(ranger(None, max_range=None))
         assert read.validity is Validity.NO_MEASUREMENT
         assert read.max_range == inf
@@ -371,7 +371,7 @@ class TestDistance:
             (-0.5, "field_of_view is -0.5 rad: not used; the driver should send radians, 0 if unknown"),
         ],
     )
-    def test_an_opening_angle_that_is_none_does_not_lose_the_distance(self, view: float, what: str) -> None:
+    def test_an_invalid_opening_angle_does_not_lose_the_distance(self, view: float, what: str) -> None:
         read = to_range(ranger(field_of_view=view))
         assert (read.distance, read.field_of_view) == (0.42, 0.0)
         assert tuple(map(str, read.problems)) == (what,)
@@ -408,14 +408,14 @@ class TestFields:
         assert unwrap({"op": "status", "msg": "text"}) == {"op": "status", "msg": "text"}
 
     @pytest.mark.parametrize("stamp", [None, {}, {"sec": "x"}, {"sec": inf}, {"sec": 0, "nanosec": 0}])
-    def test_a_stamp_that_says_nothing_is_none(self, stamp: object) -> None:
+    def test_an_empty_stamp_is_none(self, stamp: object) -> None:
         assert stamp_ns({"header": {"stamp": stamp}}) is None
 
     def test_a_frame_that_is_not_there_is_empty(self) -> None:
         assert frame_id({"ranges": []}) == ""
 
     @pytest.mark.parametrize("form", [rosbags, rospy, rclpy], ids=lambda form: form.__name__)
-    def test_a_type_is_named_as_a_person_writes_it(self, form) -> None:
+    def test_a_type_is_named_as_users_write_it(self, form) -> None:
         assert type_name(form("std_msgs/Bool", {"data": True})) == "std_msgs/Bool"
         assert describe(form("std_msgs/Bool", {"data": True})) == "a std_msgs/Bool with the fields data"
 

@@ -1,4 +1,4 @@
-"""Pictures: which messages and arrays are understood, and what is wrong with others."""
+"""Pictures: the messages and arrays that are understood, and the errors for others."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from robowidgets.samples import Image
 
 
 def message(values: np.ndarray[Any, Any], encoding: str, *, fill: int = 0, big: bool = False) -> SimpleNamespace:
-    """An Image with so many bytes after each row."""
+    """An Image with this number of extra bytes after each row."""
     rows, columns = values.shape[:2]
     data = np.ascontiguousarray(values.astype(values.dtype.newbyteorder(">" if big else "<")))
     lines = data.reshape(rows, -1).view(np.uint8)
@@ -94,7 +94,7 @@ class TestImages:
             ("64FC1", np.float64, 1),
         ],
     )
-    def test_pixels_are_those_of_the_message_whatever_fills_its_rows_and_its_byte_order(
+    def test_pixels_match_the_message_whatever_fills_its_rows_and_its_byte_order(
         self, encoding: str, dtype: type, channels: int, big: bool, fill: int
     ) -> None:
         values = RAMP[..., :channels].astype(dtype) * (100 if np.dtype(dtype).itemsize > 1 else 1)
@@ -274,7 +274,7 @@ class TestRefused:
             ({"data": [300] * 144}, TypeError, "data: expected bytes, got"),
         ],
     )
-    def test_what_does_not_fit_is_said_in_one_line(self, change: dict[str, Any], error: type, text: str) -> None:
+    def test_what_does_not_fit_is_reported_in_one_line(self, change: dict[str, Any], error: type, text: str) -> None:
         made = message(RAMP[..., :3].astype(np.uint8), "rgb8")
         vars(made).update(change)
         with pytest.raises(error, match=f"^{text}"):
@@ -289,7 +289,7 @@ class TestRefused:
             (b"\x89PNG\r\n\x1a\n", "the picture is damaged: a PNG of 8 bytes"),
         ],
     )
-    def test_a_file_that_is_none_is_said_in_one_line(self, data: bytes, text: str) -> None:
+    def test_an_invalid_file_is_reported_in_one_line(self, data: bytes, text: str) -> None:
         with pytest.raises(ValueError, match=f"^{text}"):
             to_image({"format": "jpeg", "data": data})
 
@@ -307,7 +307,7 @@ class TestRefused:
             (struct.pack("<IIIII", 8, 1, *3 * [0xFFFFFFFF])[:-1] + b"\0", "damaged or cut off|without an end"),
         ],
     )
-    def test_rvl_that_is_none_is_said_in_one_line(self, packed: bytes, text: str) -> None:
+    def test_invalid_rvl_is_reported_in_one_line(self, packed: bytes, text: str) -> None:
         with pytest.raises(ValueError, match=text):
             to_image({"format": "16UC1; compressedDepth rvl", "data": bytes(12) + packed})
 
@@ -336,11 +336,11 @@ class TestRefused:
             (np.zeros((0, 2), np.uint8), "expected a picture of 1 to 100,000,000 pixels, got 0 rows x 2 columns"),
         ],
     )
-    def test_an_array_that_is_no_picture_is_refused(self, values: Any, text: str) -> None:
+    def test_an_array_that_is_not_a_picture_is_refused(self, values: Any, text: str) -> None:
         with pytest.raises(ValueError, match=text):
             to_image(values)
 
-    def test_what_is_no_message_is_described(self) -> None:
+    def test_what_is_not_a_message_is_described(self) -> None:
         with pytest.raises(
             TypeError, match=r"expected a message like sensor_msgs/Image .*; got a dict with the keys x"
         ):

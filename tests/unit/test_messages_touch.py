@@ -67,7 +67,7 @@ CREATE = {"header": HEADER, "is_left_pressed": True, "is_right_pressed": False}
 
 EVENT, LEVEL, PRESENCE = TouchMode.EVENT, TouchMode.LEVEL, TouchMode.PRESENCE
 CASES = {
-    # type, fields, mode, what is touched, sensors from left to right (None: those that are named)
+    # type, fields, mode, touched sensors, sensors from left to right (None: the named sensors)
     "bumper left": ("kobuki_msgs/BumperEvent", {"bumper": 0, "state": 1}, EVENT, {"left": True}),
     "bumper center": ("kobuki_ros_interfaces/BumperEvent", {"bumper": 1, "state": 1}, EVENT, {"center": True}),
     "bumper right off": ("kobuki_msgs/BumperEvent", {"bumper": 2, "state": 0}, EVENT, {"right": False}),

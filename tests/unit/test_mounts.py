@@ -1,4 +1,4 @@
-"""Scanners that stand turned on their robot, or on their head: by tf or by hand, all angles are the robot's."""
+"""Scanners that are mounted turned or upside down: by tf or by hand, all angles are the robot's."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TURNED_AND_HANGING = Mount(radians(-120), upside_down=True)
 
 
 def turn_of(yaw: float, roll: float = 0.0, pitch: float = 0.0) -> tuple[float, float, float, float]:
-    """The quaternion x, y, z, w of a frame that is turned about its x, then y, then z of the frame outside."""
+    """The quaternion x, y, z, w of a frame that is turned about its x, then y, then z of the outer frame."""
     (cr, sr), (cp, sp), (cy, sy) = ((cos(half), sin(half)) for half in (roll / 2, pitch / 2, yaw / 2))
     return (
         sr * cp * cy - cr * sp * sy,
@@ -46,7 +46,7 @@ def tf(child: str, *turn: float, parent: str = "base_link") -> dict[str, Any]:
 
 
 def own_scan(mount: Mount, wall: float = 0.75, at: float = 0.0, **more: Any) -> Scan:
-    """What a scanner with a mount measures of a wall 40 degrees wide, at an angle of the robot in degrees."""
+    """The measurement of a scanner with a mount: a wall 40 degrees wide, at an angle of the robot in degrees."""
     own = -pi + np.arange(RAYS) * radians(1)
     robot = np.array([mount.to_robot(angle) for angle in own])
     is_wall = np.abs((robot - radians(at) + pi) % (2 * pi) - pi) <= radians(20)
@@ -103,7 +103,7 @@ class TestScan:
             assert other.mount == LEFT
             assert other.distance("front") == 0.75
 
-    def test_a_tilted_scanner_is_told_and_one_that_stands_on_edge_keeps_its_angles(self) -> None:
+    def test_a_tilted_scanner_is_reported_and_one_that_stands_on_edge_keeps_its_angles(self) -> None:
         tilted = own_scan(Mount()).mounted(mount_of(*turn_of(pi / 2, pitch=radians(20))))
         assert [str(problem) for problem in tilted.problems()] == [
             "the scanner is tilted by 20° by tf: distances are along its rays, not on the floor; a map or a cloud "
@@ -219,7 +219,7 @@ class TestWidget:
         assert laser.own_angles is False
         laser.close()
 
-    def test_without_a_turn_nothing_is_said(self) -> None:
+    def test_without_a_turn_there_is_no_note(self) -> None:
         laser = LaserWidget()
         laser.take_mounts(lambda scan: scan.mounted(Mount()))
         laser.update(message(own_scan(Mount())))

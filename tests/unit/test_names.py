@@ -1,4 +1,4 @@
-"""What the package calls its own."""
+"""The names of the package."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ def test_a_star_import_leaves_the_names_of_python_alone() -> None:
     ("word", "meant"),
     [("Laser", "LaserWidget"), ("Touc", "Touch"), ("simulater", "simulator"), ("laserwidget", "LaserWidget")],
 )
-def test_a_name_that_is_not_there_leads_to_one_that_is(word: str, meant: str) -> None:
+def test_a_missing_name_suggests_an_existing_one(word: str, meant: str) -> None:
     with pytest.raises(AttributeError, match=rf"has no attribute '{word}'; did you mean '{meant}'\?$"):
         getattr(robowidgets, word)
 
 
-def test_a_private_name_that_is_not_there_is_said_plainly() -> None:
+def test_a_private_name_that_is_not_there_is_reported_plainly() -> None:
     with pytest.raises(AttributeError, match=r"has no attribute '__path_hooks__'$"):
         robowidgets.__path_hooks__  # noqa: B018
 
 
 def definitions(tree: ast.Module, path: str) -> Iterator[tuple[str, str]]:
-    """The classes of a module and its names for types, each with what tells it from another of the same name."""
+    """The classes of a module and its type aliases, each with what distinguishes it from another of the same name."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ClassDef):
             yield node.name, f"{path}:{node.lineno}"
@@ -51,7 +51,7 @@ def definitions(tree: ast.Module, path: str) -> Iterator[tuple[str, str]]:
 
 
 def test_a_name_stands_for_one_type() -> None:
-    """Private ones, which no other module names, are left out."""
+    """Leaves out private names that no other module uses."""
     found: dict[str, set[str]] = {}
     for path in Path(robowidgets.__file__).parent.rglob("*.py"):
         if "node_modules" not in path.parts:
@@ -72,9 +72,7 @@ def test_a_name_stands_for_one_type() -> None:
     ],
 )
 class TestTheOldNameOfAClass:
-    def test_still_gives_it_and_the_place_where_it_is_used_is_told_the_new_one(
-        self, module: str, old: str, new: type
-    ) -> None:
+    def test_still_works_and_names_the_new_one_at_the_place_of_use(self, module: str, old: str, new: type) -> None:
         with pytest.warns(DeprecationWarning, match=rf"{module}\.{old} is called {module}\.{new.__name__} now") as told:
             assert getattr(import_module(module), old) is new
         assert [warning.filename for warning in told] == [__file__]
@@ -85,7 +83,7 @@ class TestTheOldNameOfAClass:
             exec(f"from {module} import {old}", names)
         assert names[old] is new
 
-    def test_is_not_among_those_of_a_star_import(self, module: str, old: str, new: type) -> None:
+    def test_is_not_among_the_names_of_a_star_import(self, module: str, old: str, new: type) -> None:
         names: dict[str, Any] = {}
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -94,13 +92,13 @@ class TestTheOldNameOfAClass:
         assert names[new.__name__] is new
 
 
-def test_a_name_that_a_module_never_had_is_said_plainly() -> None:
+def test_a_name_that_a_module_never_had_is_reported_plainly() -> None:
     with pytest.raises(AttributeError, match=r"module 'robowidgets.shapes' has no attribute 'Circle'$"):
         import_module("robowidgets.shapes").Circle  # noqa: B018
 
 
 def test_no_test_sets_a_trace_function() -> None:
-    """CPython 3.11 spins in every function that follows an error which a trace function raised, without an end."""
+    """CPython 3.11 loops forever in every function after an error that a trace function raised."""
     refused = {"setprofile", "setprofile_all_threads", "settrace", "settrace_all_threads"}
     texts = {
         path: path.read_text(encoding="utf-8")
@@ -131,4 +129,4 @@ def test_a_failed_test_is_not_repeated() -> None:
     files += [*(ROOT / "scripts").glob("*.sh"), *(ROOT / ".github" / "workflows").glob("*.yml")]
     files += [path for path in (ROOT / "tests").rglob("*.py") if path != Path(__file__)]
     found = [path for path in files if re.search("--reruns|rerunfailures|mark.flaky", path.read_text(encoding="utf-8"))]
-    assert not found, "mend the tests that fail sometimes"
+    assert not found, "fix the tests that fail sometimes"

@@ -1,4 +1,4 @@
-"""What cannot be in a browser says so, and what to do instead."""
+"""Features that a browser cannot have raise an error with a remedy."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_site_without_numpy_says_how_to_build_one_with_it(monkeypatch: pytest.
 RECORDINGS = """
 import sys
 
-class Absent:  # as Pyodide says of what it has left out of Python
+class Absent:  # as Pyodide reports modules that it leaves out of Python
     def find_spec(self, name, path=None, target=None):
         if name in ("apsw", "sqlite3", "_sqlite3", "zstandard"):
             raise ModuleNotFoundError(name)

@@ -17,7 +17,7 @@ def scan(laser: LaserWidget) -> None:
 
 
 def said(widget: Any) -> Any:
-    """What the page is told with the newest sample."""
+    """The numbers that the page gets with the newest sample."""
     return widget.get_state()["_about"].get("numbers")
 
 
@@ -34,7 +34,7 @@ def test_a_number_stands_on_the_newest_sample_and_is_given_back(laser: LaserWidg
     assert laser.watch("q", np.float32(0.5)) == 0.5
     assert said(laser) == {"r": 0.42, "q": 0.5}
     laser.watch("r", 7)
-    assert said(laser) == {"r": 7.0, "q": 0.5}, "of several on one sample the last"
+    assert said(laser) == {"r": 7.0, "q": 0.5}, "of several on one sample, the last counts"
     scan(laser)
     assert said(laser) == {"r": None, "q": None}, "the next sample has none until it gets one"
 
@@ -106,7 +106,7 @@ def test_a_condition_does_not_take_the_name_of_a_number_and_there_are_at_most_ei
         laser.watch("one more", 1.0)
 
 
-def test_a_widget_of_a_player_has_none() -> None:
+def test_a_widget_of_a_player_has_no_warning() -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         player = recording.show("/scan", scanogram=False)
     with pytest.raises(ValueError, match="a player moves this widget"):

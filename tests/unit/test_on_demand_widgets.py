@@ -1,4 +1,4 @@
-"""Widgets that topics have where they are asked for: by name, or because no topic has another."""
+"""Widgets of topics on request: by name, or because no other widget fits the topic."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_of_many_topics_without_a_widget_few_are_shown(tmp_path: Path) -> None:
         player.close()
 
 
-def test_beside_a_topic_that_has_a_widget_others_are_shown_by_name_alone(tmp_path: Path) -> None:
+def test_next_to_a_topic_with_a_widget_others_are_shown_only_by_name(tmp_path: Path) -> None:
     messages = [(0.1 * i, topic, {"data": 0.0} if topic == "/n" else {}) for i in range(9) for topic in ("/n", "/odom")]
     types = {"/odom": "nav_msgs/msg/Odometry", "/n": "std_msgs/msg/Float64"}
     with robowidgets.open(recorded.write(tmp_path / "x", types, messages)) as recording:
@@ -158,7 +158,7 @@ def test_a_page_has_the_frames_of_widgets_that_were_asked_for(recording: Recordi
 
 
 class PagedWidget(AnyWidget):
-    """Has the script of a widget that is built."""
+    """A widget with the script of a built one."""
 
     _esm, _css = robowidgets.SonarWidget._esm, robowidgets.SonarWidget._css
 
@@ -172,7 +172,7 @@ class TestAFeed:
     def _impatient(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
 
-    def test_shows_what_it_has_where_no_topic_has_a_widget(self) -> None:
+    def test_shows_all_topics_if_no_topic_has_a_widget(self) -> None:
         script = Scripted(NUMBER, SAYS, LOG)
         with Feed(script) as feed:
             view = feed.show()
@@ -225,7 +225,7 @@ def test_a_row_that_cannot_work_is_refused() -> None:
 
 
 class TestAnArrangement:
-    def test_is_what_is_on_show_and_may_be_set_and_given_again(self, recording: Recording) -> None:
+    def test_is_the_present_view_and_may_be_set_and_reused(self, recording: Recording) -> None:
         player = recording.show("/says", "/temperature")
         try:
             assert player.arrangement == ["/says", "/temperature"]
@@ -243,7 +243,7 @@ class TestAnArrangement:
         finally:
             player.close()
 
-    def test_is_refused_where_it_is_none_or_names_what_is_not_there(self, recording: Recording) -> None:
+    def test_is_refused_if_it_is_invalid_or_names_something_missing(self, recording: Recording) -> None:
         for wrong in ("/says", [1], [[]], {"/says": 1}):
             with pytest.raises(TypeError, match=r"arrangement: expected a list of topics"):
                 recording.show(arrangement=wrong)
@@ -269,7 +269,7 @@ class TestAnArrangement:
         finally:
             player.close()
 
-    def test_of_a_feed_keeps_what_a_person_took_off_while_others_come(self) -> None:
+    def test_of_a_feed_keeps_deselected_topics_off_while_others_come(self) -> None:
         script = Scripted(ODOM, SCAN)
         with Feed(script) as feed:
             view = feed.show()

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, and what killed processes left of them."""
+"""Files that are written completely or not at all, and the remains of killed processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The pacer sends the newest of each sender, within one budget for all."""
+"""The pacer sends the newest value of each sender, within one budget for all."""
 
 from __future__ import annotations
 

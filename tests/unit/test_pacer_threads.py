@@ -1,4 +1,4 @@
-"""The pacer never makes a caller wait, from whatever thread, and sends what is left at the end of a cell."""
+"""The pacer never makes a caller wait, from any thread, and sends the rest at the end of a cell."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class TestThreads:
         times = [when for sender in senders for when in sender.times]
         assert most_in_a_second(times) <= MOST_IN_A_SECOND
         assert all(sender.sent == sorted(sender.sent) for sender in senders)
-        assert all(sender.newest > 2 * len(sender.sent) for sender in senders), "it was no flood"
+        assert all(sender.newest > 2 * len(sender.sent) for sender in senders), "it was not a flood"
 
     def test_an_error_while_sending_is_logged_and_stops_nothing(
         self, pacer: Pacer, caplog: pytest.LogCaptureFixture
@@ -187,7 +187,7 @@ class TestFlush:
         self, pacer: Pacer, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         class Free:
-            """A turn that seems free: the thread takes it after the look."""
+            """A turn that seems free: the thread takes it after the check."""
 
             def __init__(self, turn: Any) -> None:
                 self._turn = turn

@@ -65,7 +65,9 @@ class TestPath:
         assert np.diff(at[:, 1]).max() <= 2 * path.step
 
     @pytest.mark.parametrize(("seconds", "metres"), [(0.05, 1.0), (0.5, 8.0), (-60.0, 1.0)])
-    def test_a_jump_that_no_robot_drives_begins_a_new_stroke_and_is_no_way(self, seconds: float, metres: float) -> None:
+    def test_a_jump_that_no_robot_drives_begins_a_new_stroke_and_adds_no_distance(
+        self, seconds: float, metres: float
+    ) -> None:
         path = Path()
         driven = [path.add(i / 20, Pose(i / 80, 0.0, 0.0), clock=i / 20) for i in range(1, 42)]
         assert not any(driven)
@@ -163,7 +165,7 @@ class TestWidget:
             (None, {"x": 1, "y": 1, "time": 2.0}, ValueError, r"time: expected 3 s or later, got 2; clear\(\) starts"),
         ],
     )
-    def test_what_is_no_pose_is_refused_and_the_path_stays(
+    def test_what_is_not_a_pose_is_refused_and_the_path_stays(
         self, message: object, fields: dict[str, object], error: type[Exception], text: str
     ) -> None:
         path = PathWidget()

@@ -42,13 +42,13 @@ NEEDED = re.compile(r"^Needed for (\S+) (\S+): https://\S+$", re.MULTILINE)
 
 
 def needs() -> Iterator[tuple[str, str, str]]:
-    """Each fix with a project that goes wrong without it, and its versions that do."""
+    """Each fix with a project that fails without it, and the affected versions."""
     for name, fix in FIXES.items():
         for project, versions in NEEDED.findall(inspect.getdoc(fix) or ""):
             yield name, project, versions
 
 
-def test_each_fix_says_who_needs_it_and_each_need_is_shown() -> None:
+def test_each_fix_names_the_projects_that_need_it_and_each_need_is_shown() -> None:
     undo = {"release_prints"}
     assert {fix for fix, _, _ in needs()} == FIXES.keys() - undo
     assert sorted((fix, project) for fix, project, _ in needs()) == sorted([*GOES_WRONG, *GOES_WRONG_SLOWLY])
@@ -67,18 +67,18 @@ def test_without_a_fix_the_versions_that_it_names_go_wrong_and_no_others(fix: st
     installed = platform.python_version() if project == "Python" else version(project)
     goes_wrong = (GOES_WRONG | GOES_WRONG_SLOWLY)[fix, project]()
     assert goes_wrong == SpecifierSet(versions).contains(installed, prereleases=True), (
-        f"{project} {installed} {'goes wrong' if goes_wrong else 'is cured'}: change the last lines of `{fix}`"
+        f"{project} {installed} {'goes wrong' if goes_wrong else 'is fixed'}: change the last lines of `{fix}`"
     )
 
 
 def test_each_fix_is_needed_by_a_version_that_is_allowed() -> None:
-    """One that is not is to go, with its test."""
+    """A fix that is no longer needed has to go, with its test."""
     lowest: dict[str, list[Version]] = {}
     for project, least in re.findall(r'"([\w-]+)(?:\[\w+\])?>=([\d.]+)', PROJECT.read_text(encoding="utf-8")):
         lowest.setdefault(project, []).append(Version(least))
     for fix, project, versions in needs():
         cured = [Version(one.version) for one in SpecifierSet(versions) if one.operator == "<"]
-        assert not cured or min(lowest[project]) < min(cured), f"no {project} that is allowed needs `{fix}`"
+        assert not cured or min(lowest[project]) < min(cured), f"no allowed version of {project} needs `{fix}`"
 
 
 EVERY_FIX = """

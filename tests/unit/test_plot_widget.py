@@ -1,4 +1,4 @@
-"""What a plot takes, what it refuses, and what it sends to the page."""
+"""The plot: its inputs, its refusals, and its messages to the page."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ def rows_of(frame: bytes) -> list[tuple[int, ThinRows]]:
 
 
 def sent(plot: PlotWidget) -> list[tuple[int, ThinRows]]:
-    """What a new page gets of all lines."""
+    """The data of all lines for a new page."""
     return rows_of(plot.get_state()["_lines"])
 
 
-# What is shown
+# Lines on show
 
 
 def test_each_value_of_an_array_reaches_the_page_to_the_last_bit(plot: PlotWidget) -> None:
@@ -101,7 +101,7 @@ def test_what_is_not_finite_is_a_gap(plot: PlotWidget) -> None:
         assert rows.sums.sum() in (4.0, 1.0, 0.0)
 
 
-def test_a_line_is_replaced_cleared_and_begun_anew(plot: PlotWidget) -> None:
+def test_a_line_is_replaced_cleared_and_restarted(plot: PlotWidget) -> None:
     plot.update(v=1.0, time=100.0)
     plot.set_line("v", [0.0], [5.0])
     assert [(total, rows.values.tolist()) for total, rows in sent(plot)] == [(1, [5.0])]
@@ -152,7 +152,7 @@ def test_no_extreme_is_lost_among_a_million_values() -> None:
         assert rows.values[inside].max() == values[part].max()
 
 
-def test_each_row_is_a_value_at_its_own_time_and_their_means_are_those_of_all() -> None:
+def test_each_row_is_a_value_at_its_own_time_and_the_means_cover_all_values() -> None:
     times = np.sort(np.random.default_rng(4).uniform(0, 100, 20_000))
     values = np.random.default_rng(5).normal(3, 1, len(times))
     values[5000:5100] = nan
@@ -237,7 +237,7 @@ def test_what_is_on_show_of_a_long_line_rests_after_each_time_as_long_as_that_co
     assert came == [0] * 7 + [7] * 2
     plot.window = 1.0
     plot._compose()
-    assert rows_of(plot._detail)[0][1].values[-1] == 8, "what is looked at comes at once"
+    assert rows_of(plot._detail)[0][1].values[-1] == 8, "the visible part comes at once"
 
 
 def test_the_oldest_values_go_when_there_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,7 +255,7 @@ def test_a_slope_is_the_change_per_second() -> None:
     assert np.array_equal(found, [nan, 2.0, nan, -2.0], equal_nan=True)
 
 
-# What is refused
+# Refusals
 
 
 @pytest.mark.parametrize(
@@ -269,7 +269,7 @@ def test_a_slope_is_the_change_per_second() -> None:
         ([0], [[1, 2]], ValueError, r"v: values: expected an array of one dimension, got shape \(1, 2\)"),
     ],
 )
-def test_an_array_that_is_no_line_is_refused_with_the_reason(
+def test_an_array_that_is_not_a_line_is_refused_with_the_reason(
     plot: PlotWidget, seconds: Any, values: Any, kind: type[Exception], text: str
 ) -> None:
     with pytest.raises(kind, match=text):
@@ -291,7 +291,7 @@ def test_an_array_that_is_no_line_is_refused_with_the_reason(
         (lambda plot: plot.update({f"l{i}": i for i in range(9)}), ValueError, r"expected at most 8 lines, got 10"),
     ],
 )
-def test_a_value_that_is_none_is_refused_with_the_reason_and_nothing_is_added(
+def test_an_invalid_value_is_refused_with_the_reason_and_nothing_is_added(
     plot: PlotWidget, call: Any, kind: type[Exception], text: str
 ) -> None:
     plot.update(w=0.0, time=5.0)
@@ -381,7 +381,7 @@ def test_a_part_of_a_recording_and_a_derivative_can_be_plotted() -> None:
         ((3,), TypeError, r"expected a topic with a field, like '/odom.twist.twist.linear.x', got 3"),
     ],
 )
-def test_what_is_no_number_of_a_recording_is_refused_with_what_there_is(
+def test_what_is_not_a_number_of_a_recording_is_refused_with_the_available_ones(
     fields: Any, kind: type[Exception], text: str
 ) -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording, pytest.raises(kind, match=text):
@@ -421,13 +421,13 @@ def test_a_page_of_a_long_line_that_is_on_show_has_its_finer_columns(
     assert len(sent(plot)[0][1].times) == len(coarse.times)
 
 
-def test_the_licence_of_what_draws_the_lines_comes_with_its_code() -> None:
+def test_the_licence_of_the_plot_library_comes_with_its_code() -> None:
     script = (Path(robowidgets.__file__).parent / "static" / "plot_widget.js").read_text(encoding="utf-8")
     assert "Copyright (c) 2022 Leon Sorokin" in script
     assert "THE SOFTWARE IS PROVIDED" in script
 
 
-class TestBesideOthers:
+class TestWithOthers:
     def test_a_message_adds_the_fields_of_its_topic(self) -> None:
         plot = PlotWidget("/a.v.x", "/a.w[1]", "/b.c.x", "/b.c.cmd")
         plot.update("/a", {"v": {"x": 1.0}, "w": [2, 3]}, time=0.5)
@@ -451,7 +451,7 @@ class TestBesideOthers:
         assert plot.steps == ["/cmd_vel.linear.x"]
 
     @pytest.mark.parametrize("fields", [("/odom",), (3,), tuple(f"/a.b[{i}]" for i in range(9))])
-    def test_what_is_no_field_is_refused(self, fields: tuple[Any, ...]) -> None:
+    def test_what_is_not_a_field_is_refused(self, fields: tuple[Any, ...]) -> None:
         with pytest.raises((TypeError, ValueError), match=r"a topic with a field|at most 8 lines"):
             PlotWidget(*fields)
 

@@ -1,4 +1,4 @@
-"""What `save_png` asks of a page, what it does with the answers, and what it refuses at once."""
+"""`save_png`: its questions to a page, the use of the answers, and immediate refusals."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ URL = "data:image/png;base64," + base64.b64encode(PICTURE).decode()
 
 
 class Page:
-    """Stands in for the comm of a widget: keeps what is asked, and answers when told to."""
+    """Stands in for the comm of a widget: keeps the questions, and answers on demand."""
 
     comm_id = "page"
 
@@ -43,11 +43,11 @@ class Page:
             self.told += [*data["state"], *(path[0] for path in data["buffer_paths"])]
 
     def answer(self, number: int | None = None, url: str = URL) -> None:
-        """Answer a question, the last one if not told which."""
+        """Answer a question, by default the last one."""
         self._widget._handle_custom_msg({"png": self.asked[-1] if number is None else number, "url": url}, [])
 
     def fail(self, error: str) -> None:
-        """Say that the picture of the last question could not be drawn."""
+        """Answer that the picture of the last question could not be drawn."""
         self._widget._handle_custom_msg({"png": self.asked[-1], "error": error}, [])
 
     def on_msg(self, callback: object) -> None:
@@ -70,7 +70,7 @@ def page(widget: Drawn) -> Page:
 
 
 def run(coroutine: Coroutine[Any, Any, T]) -> T:
-    """Run to the end in a thread of its own: where browsers are tested too, the main one has a loop already."""
+    """Run to the end in a separate thread: if browsers are tested too, the main thread has a loop already."""
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(asyncio.run, coroutine).result()
 
@@ -111,7 +111,7 @@ class TestTheFile:
         page.answer(page.asked[0])
         assert sorted(os.listdir(tmp_path)) == ["a.png", "b.PNG"]
 
-    def test_the_page_shows_what_is_newest_before_it_is_asked(self, tmp_path: Path) -> None:
+    def test_the_page_shows_the_newest_before_it_is_asked(self, tmp_path: Path) -> None:
         laser = LaserWidget()
         page = Page(laser)
         laser.update(ranges=[1, 2], angle_min=0, angle_increment=0.1, range_min=0.1, range_max=9)
@@ -162,7 +162,9 @@ class TestAwaiting:
         page.answer()
         assert (tmp_path / "a.png").read_bytes() == PICTURE
 
-    def test_who_gives_up_waiting_still_gets_the_file(self, widget: Drawn, page: Page, tmp_path: Path) -> None:
+    def test_a_caller_that_gives_up_waiting_still_gets_the_file(
+        self, widget: Drawn, page: Page, tmp_path: Path
+    ) -> None:
         async def save() -> None:
             with pytest.raises(asyncio.TimeoutError):
                 await asyncio.wait_for(widget.save_png(tmp_path / "a.png"), 0.01)
@@ -173,7 +175,7 @@ class TestAwaiting:
 
 
 class TestWhatGoesWrongLater:
-    def test_a_folder_that_has_gone_is_said_until_it_works(
+    def test_a_folder_that_has_gone_is_reported_until_it_works(
         self, widget: Drawn, page: Page, tmp_path: Path, caplog: pytest.LogCaptureFixture
     ) -> None:
         folder = tmp_path / "gone"
@@ -187,9 +189,9 @@ class TestWhatGoesWrongLater:
         assert words in caplog.text
         widget.save_png(tmp_path / "a.png")
         assert not notes(widget)
-        page.answer()  # what nobody answers is logged ten seconds later, in another test
+        page.answer()  # an unanswered question is logged ten seconds later, in another test
 
-    def test_silence_is_said_and_a_late_answer_taken(
+    def test_silence_is_reported_and_a_late_answer_taken(
         self, widget: Drawn, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setattr(_png, "PATIENCE", 0.01)

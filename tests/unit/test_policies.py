@@ -1,4 +1,4 @@
-"""Late, left, raised and replaced: the same, in the same words, for conditions, connected functions and programs."""
+"""Late, left-behind, failed and replaced functions: the same texts for conditions, connected functions and programs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class User:
         self.refused: list[str] = []
 
     def define(self, function: Callable[[Any], Any]) -> None:
-        """Have a function called; another one replaces it, because it has the same name."""
+        """Make the robot call a function; it replaces an earlier one with the same name."""
 
         def behave(sample: Any) -> Any:
             return function(sample)
@@ -55,7 +55,7 @@ class User:
 
     @property
     def words(self) -> str:
-        """What a person reads of it."""
+        """The text for the user."""
         if self.kind == "condition":
             self.laser._bring_up_to_date()
             return " ".join(lamp["text"] for lamp in self.laser._about.get("lamps", ()))
@@ -71,13 +71,13 @@ def user(request: pytest.FixtureRequest) -> Iterator[User]:
     user.laser.close()
 
 
-def test_what_is_late_has_not_returned_and_is_told_with_its_line(user: User) -> None:
+def test_what_is_late_has_not_returned_and_is_reported_with_its_line(user: User) -> None:
     user.define(user.hang)
     wait_for(lambda: "has not returned for" in user.words, "it is late")
     assert re.search(r"line \d+", user.words)
 
 
-def test_what_raises_is_told_with_its_line_and_its_error(user: User) -> None:
+def test_what_raises_is_reported_with_its_line_and_its_error(user: User) -> None:
     def fail(_sample: Any) -> None:
         raise SystemExit("out")
 
@@ -118,7 +118,7 @@ def test_what_hangs_in_python_is_ended_when_it_is_replaced_unless_it_is_a_functi
 
 def test_the_policies_differ_in_figures_alone() -> None:
     assert (CONDITION.late, FUNCTION.late, STEP.late) == (0.1, 1.0, 0.45)
-    assert ANSWER == STEP, "an answer has the time that it has on a robot"
+    assert ANSWER == STEP, "an answer has the time of its sample on a robot"
 
 
 def loop(_scan: Any) -> bool:
@@ -138,7 +138,7 @@ def test_no_thread_of_a_judge_stays_after_its_feed_is_closed(condition: Callable
         script.listener.on_message("/scan", scan(1.0))
         assert judged.wait(120)
     wait_for(lambda: threads_named("robowidgets-judge") == before, "it has ended")
-    assert near.verdict.value is True, "the other one is judged nevertheless"
+    assert near.verdict.value is True, "the other one is still judged"
     words = r"has not returned for \d+\.\d s, line \d+, and was ended with its feed" if condition is loop else ""
     assert re.fullmatch(words, wall.error)
     laser.close()

@@ -1,4 +1,4 @@
-"""`ProgramWidget`: what the page is told of a program, and what it may ask for."""
+"""`ProgramWidget`: the messages to the page about a program, and the requests of the page."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def widget(robot: Feed) -> Iterator[ProgramWidget]:
 
 
 def hear(widget: ProgramWidget, **content: Any) -> None:
-    """A message of the page, with a new token unless it has one."""
+    """Send a message of the page, with a new token unless it has one."""
     widget._handle_custom_msg({"press": "view", "token": widget._tokens.issue(), **content}, [])
 
 
-def test_its_state_is_sent_again_and_again_while_nobody_drives(
+def test_its_state_is_sent_repeatedly_while_no_program_drives(
     widget: ProgramWidget, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(driving_widget, "BEAT", 0.01)
@@ -77,7 +77,7 @@ def test_it_tells_what_the_program_does_and_follows_the_next_one(robot: Feed, wi
     assert not go.has_view
 
 
-def test_prints_go_to_the_cell_where_no_widget_shows_them(robot: Feed, capsys: pytest.CaptureFixture[str]) -> None:
+def test_prints_go_to_the_cell_if_no_widget_shows_them(robot: Feed, capsys: pytest.CaptureFixture[str]) -> None:
     widget = ProgramWidget(robot)
     robot.variables.word = "first"
 
@@ -175,7 +175,7 @@ def test_a_program_that_drives_sideways_shows_it_and_one_of_a_robot_that_cannot_
     assert robot.drive_status == "-0.07 m/s sideways is cut to -0.05"
 
 
-def test_what_a_program_keeps_is_told_in_short_plain_texts(robot: Feed, widget: ProgramWidget) -> None:
+def test_the_variables_of_a_program_are_shown_as_short_plain_texts(robot: Feed, widget: ProgramWidget) -> None:
     page = Page(widget)
 
     class Own:

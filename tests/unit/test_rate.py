@@ -6,7 +6,7 @@ from robowidgets.widget.rate import RateMeter
 
 
 def rate(*times: float, asked_after: int = 1) -> float:
-    """Of arrivals at these times, when it is asked after every so many of them."""
+    """The rate of arrivals at these times, asked after every so many of them."""
     meter, told = RateMeter(), nan
     for count, time in enumerate(times, 1):
         if count % asked_after == 0:
@@ -14,7 +14,7 @@ def rate(*times: float, asked_after: int = 1) -> float:
     return told
 
 
-def test_nothing_is_said_of_nothing_of_one_arrival_or_of_a_loop_over_a_recording() -> None:
+def test_the_rate_of_no_or_one_arrival_and_of_a_loop_over_a_recording_is_unknown() -> None:
     assert isnan(RateMeter().rate(0, 0.0))
     assert isnan(rate(5.0))
     assert isnan(rate(*[5.0 + i * 1e-5 for i in range(1000)]))
@@ -22,7 +22,7 @@ def test_nothing_is_said_of_nothing_of_one_arrival_or_of_a_loop_over_a_recording
 
 @pytest.mark.parametrize("hz", [0.2, 1, 10, 40, 1000, 20_000])
 @pytest.mark.parametrize("asked_after", [1, 5])
-def test_a_steady_rate_is_told_whatever_it_is(hz: float, asked_after: int) -> None:
+def test_a_steady_rate_is_reported_whatever_it_is(hz: float, asked_after: int) -> None:
     seconds = max(4.0, 15 / hz)
     times = [100 + i / hz for i in range(round(seconds * hz))]
     assert rate(*times, asked_after=asked_after) == pytest.approx(hz, rel=0.01)
@@ -44,7 +44,7 @@ def test_the_past_is_forgotten() -> None:
 
 
 def sag_of(*rates: float) -> tuple[bool, float]:
-    """Of arrivals at rates that last for 20 s each: whether the last has sagged, and which rate is usual."""
+    """From arrivals at rates that last for 20 s each: True if the last has sagged, and the usual rate."""
     meter, now, count = RateMeter(), 100.0, 0
     for hz in rates:
         for _ in range(round(20 * hz)):
@@ -64,7 +64,7 @@ def test_a_rate_that_lasts_becomes_the_usual_one() -> None:
     assert sag_of(10, 4, 4, 4) == (False, pytest.approx(4, rel=0.05))
 
 
-def test_a_single_pause_is_no_sag() -> None:
+def test_a_single_pause_is_not_a_sag() -> None:
     meter = RateMeter()
     times = [i / 10 for i in range(300)]
     told = []

@@ -21,7 +21,7 @@ POLICY = Policy(late=0.1, look=0.1)
 
 
 class Owner:
-    """Has a runner call queued functions, and notes what came of them and when it was looked at."""
+    """Lets a runner call queued functions, and notes their results and the times of looking at them."""
 
     def __init__(self, clock: ManualClock) -> None:
         self.clock, self.threads = clock, Threads(clock)
@@ -186,7 +186,7 @@ def test_a_turn_may_detach_itself_and_the_next_one_is_in_another_thread(owner: O
 
     owner.run(detach, lambda: threads.append(threading.current_thread()))
     owner.clock.settle()
-    assert owner.outcomes == [Outcome(None, None)], "what it returned is not taken"
+    assert owner.outcomes == [Outcome(None, None)], "its return value is not taken"
     assert len(set(threads)) == 2
 
 

@@ -49,7 +49,7 @@ class TestGeometry:
         assert np.allclose(one.x, [2, 0])
         assert np.allclose(one.y, [0, 2])
 
-    def test_points_are_those_of_the_readings_only(self) -> None:
+    def test_points_belong_to_readings_only(self) -> None:
         one = scan([1.0, inf, 3.0])
         assert one.xy.shape == (2, 2)
         assert np.allclose(one.xy, [[cos(0.5), -sin(0.5)], [3 * cos(0.5), 3 * sin(0.5)]])
@@ -114,7 +114,7 @@ class TestValidity:
 class TestNearest:
     def test_only_a_sector_may_count_also_across_the_ends_of_a_circle(self) -> None:
         one = scan([1.0, 2.0, 3.0, 0.5], angle_min=0.0, angle_increment=pi / 2)
-        assert one.nearest((0, 6.29)) == one[3], "a full turn may be typed with few digits"
+        assert one.nearest((0, 6.29)) == one[3], "a full turn may be given with few digits"
         found = [one.nearest(sector) for sector in (ALL_ROUND, (-0.1, 0.1), (pi / 2, pi), (-pi / 2, 0.0), (0.1, 0.2))]
         assert [ray and ray.index for ray in found] == [3, 0, 1, 3, None]
 
@@ -126,7 +126,9 @@ class TestNearest:
             ((0, nan), ValueError, r"^sector: expected a finite number of radians, got nan$"),
         ],
     )
-    def test_what_is_no_sector_is_refused(self, sector: tuple[float, float], error: type[Exception], text: str) -> None:
+    def test_what_is_not_a_sector_is_refused(
+        self, sector: tuple[float, float], error: type[Exception], text: str
+    ) -> None:
         with pytest.raises(error, match=text):
             scan().nearest(sector)
 
@@ -145,12 +147,12 @@ class TestRays:
         ray = scan([1.0, 2.0, 3.0], intensities=[7, 8, 9])[2]
         assert ray == Ray(2, 3.0, 0.5, pytest.approx(3 * cos(0.5)), pytest.approx(3 * sin(0.5)), 9.0, Validity.READING)
 
-    def test_a_ray_without_a_reading_has_none(self) -> None:
+    def test_a_ray_without_a_reading_has_no_number(self) -> None:
         ray = scan([inf, 2.0, 3.0])[0]
         assert (ray.range, ray.x, ray.y, ray.intensity) == (inf, None, None, None)
         assert ray.validity is Validity.NOTHING_IN_RANGE
 
-    def test_indices_are_those_of_the_array_and_count_from_the_end_too(self) -> None:
+    def test_indices_match_the_array_and_count_from_the_end_too(self) -> None:
         one = scan()
         assert one[-1].index == 2
         assert one[np.int64(1)].index == 1
@@ -178,7 +180,7 @@ class TestRays:
         assert one.turned(1.0).nearest((1.0 - 0.21, 1.0 - 0.19)).range == -inf
 
     @pytest.mark.parametrize("ranges", [[], [inf], [nan, nan], [0.0, 0.0]])
-    def test_nothing_is_nearest_where_there_is_no_reading(self, ranges: list[float]) -> None:
+    def test_nothing_is_nearest_if_there_is_no_reading(self, ranges: list[float]) -> None:
         assert scan(ranges).nearest() is None
 
 
@@ -355,7 +357,7 @@ class TestSpeed:
             ({"linear": (0, 0)}, ValueError, r"^linear: expected three numbers \(x, y, z\), got 2$"),
         ],
     )
-    def test_what_is_no_vector_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
+    def test_what_is_not_a_vector_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
         with pytest.raises(error, match=text):
             Speed(**given)
 
@@ -391,7 +393,7 @@ class TestRange:
         assert Range(inf).validity is Validity.NOTHING_IN_RANGE
         assert Range(inf).distance == inf
 
-    def test_numbers_are_those_that_a_person_would_write(self) -> None:
+    def test_numbers_are_written_as_users_would_write_them(self) -> None:
         one = Range(np.float32(0.42), min_range=np.float32(0.42), max_range=4, field_of_view=np.float32(0.26))
         assert (one.range, one.min_range, one.max_range, one.field_of_view) == (0.42, 0.42, 4.0, 0.26)
         assert one.validity is Validity.READING
@@ -419,7 +421,7 @@ class TestRange:
             ({"radiation": "radio"}, ValueError, r"^radiation: expected 'ultrasound', 'infrared' or '', got 'radio'$"),
         ],
     )
-    def test_what_is_no_range_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
+    def test_what_is_not_a_range_is_refused(self, given: dict, error: type[Exception], text: str) -> None:
         with pytest.raises(error, match=text):
             Range(**{"range": 1.0, **given})
 

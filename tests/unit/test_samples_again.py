@@ -1,4 +1,4 @@
-"""`Scan.again`: the next sweep of a scanner, without checking anew what does not change."""
+"""`Scan.again`: the next sweep of a scanner, without checking unchanged values again."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_another_number_of_rays_is_refused(scan: Scan) -> None:
         scan.again(sent(1, 2, 3), sent(1), None)
 
 
-def test_what_is_masked_is_no_measurement(scan: Scan) -> None:
+def test_what_is_masked_is_not_a_measurement(scan: Scan) -> None:
     masked = np.ma.masked_greater([1, 2, 3], 2)
     for after in (scan.again(masked, None, None), Scan(masked, -0.5, 0.5, 0.1, 30.0)):
         assert after.validity.tolist() == [Validity.READING, Validity.READING, Validity.NO_MEASUREMENT]

@@ -1,4 +1,4 @@
-"""Samples know how old they are, whatever the robot's clock says."""
+"""Samples know their age, whatever the robot's clock says."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`Scan.problems`: what is odd about a scan, in plain words, and the remedy."""
+"""`Scan.problems`: the faults of a scan, in plain words, and the remedy."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def scan(ranges: Any, range_min: float = 0.1, range_max: float = 30.0, **more: A
 
 
 def message(ranges: Any, **changed: Any) -> dict[str, Any]:
-    """A LaserScan without fault, but for its ranges and what is changed."""
+    """A LaserScan without fault, except for its ranges and the given changes."""
     count = len(ranges)
     step = 2 * pi / max(1, count)
     fields = {"angle_min": -pi, "angle_increment": step, "range_min": 0.1, "range_max": 12.0}
@@ -30,7 +30,7 @@ def message(ranges: Any, **changed: Any) -> dict[str, Any]:
 
 ROOM = np.full(720, 2.5)
 
-# As in the wild: the name of the case, the message, and the beginnings of its problems.
+# As seen in practice: the name of the case, the message, and the beginnings of its problems.
 CASES: list[tuple[str, dict[str, Any], list[str]]] = [
     ("a sound scan", message(ROOM), []),
     (
@@ -110,7 +110,7 @@ def test_a_problem_is_a_line_of_words_and_remedy_which_is_cut_in_the_words() -> 
 
 
 class TestOutside:
-    def test_a_third_of_the_rays_beyond_the_limits_is_a_problem_and_less_is_none(self) -> None:
+    def test_a_third_of_the_rays_beyond_the_limits_is_a_problem_and_fewer_are_not(self) -> None:
         def whats(outside: float, count: int) -> list[str]:
             return [problem.what for problem in scan([outside] * count + [2.0] * (30 - count)).problems()]
 

@@ -83,7 +83,7 @@ def test_a_selection_is_a_plain_value(scanogram: ScanogramWidget, value: Any) ->
 @pytest.mark.parametrize(
     "value", [(2, 1), (1,), (1, 2, 3), (-1, 2), (0, np.nan), "ab", 5, (True, 2), (0, 1, 3, 3), (0, 1, 0.5, 2)]
 )
-def test_what_is_no_selection_is_refused_with_words(scanogram: ScanogramWidget, value: Any) -> None:
+def test_what_is_not_a_selection_is_refused_with_words(scanogram: ScanogramWidget, value: Any) -> None:
     with pytest.raises(traitlets.TraitError, match=r"selection: expected .*got"):
         scanogram.selection = value
     assert scanogram.selection is None
@@ -128,10 +128,10 @@ def test_it_answers_what_the_page_looks_at(scanogram: ScanogramWidget) -> None:
         facts_of(scanogram._frame)["edition"],
     )
     scanogram.update(**scans())
-    assert scanogram._detail == b"", "what it knew of other scans is gone"
+    assert scanogram._detail == b"", "details of earlier scans are gone"
 
 
-def test_it_sends_medians_in_place_of_the_nearest_when_asked() -> None:
+def test_it_sends_medians_instead_of_the_nearest_when_asked() -> None:
     ranges = np.full((20_000, 100), 5.0)
     ranges[::4] = 1.0
     widget = ScanogramWidget()

@@ -1,4 +1,4 @@
-"""Which constants of a definition are the names of which numbers."""
+"""The constants of a definition that name the values of a field."""
 
 from __future__ import annotations
 

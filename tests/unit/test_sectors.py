@@ -33,7 +33,7 @@ def circle(step: float = 1.0, first: float = 0.0) -> Scan:
 
 
 def pasted(code: str, **names: Any) -> Any:
-    """What a cell shows in which code was pasted."""
+    """The output of a cell into which code was pasted."""
     *lines, last = code.rstrip().split("\n")
     values = {"np": np, **names}
     exec("\n".join(lines), values)
@@ -114,7 +114,7 @@ class TestRays:
         assert laser._highlight == {"text": "", "sector": _plain(FORMS[0])}
         laser.close()
 
-    def test_no_selection_is_no_sector_rather_than_all_rays(self) -> None:
+    def test_no_selection_is_not_a_sector_rather_than_all_rays(self) -> None:
         laser = LaserWidget()
         laser.update(circle())
         scan, none = laser.scan, laser.selection
@@ -160,7 +160,7 @@ class TestRays:
         "meant",
         [("135deg", "-135deg"), ("350deg", "10deg"), ("-170deg", "170deg"), ("20deg", "340deg"), ("90deg", "-90deg")],
     )
-    def test_a_sector_across_the_seam_gets_none(self, meant: Any) -> None:
+    def test_a_sector_across_the_seam_gets_no_index(self, meant: Any) -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             circle().distance(meant)
@@ -280,7 +280,7 @@ class TestWidget:
         assert laser.selection is None
         laser.selection = ("20deg", "30deg")
         laser.sectors = {}
-        assert laser.selection is not None  # it is no kept one
+        assert laser.selection is not None  # it was not in `sectors`
         laser.selection = None
         laser.pinned = 30
         assert laser.code() == 'scan.distance(("29.9deg", "30.1deg"))'

@@ -1,4 +1,4 @@
-"""What programs draw on a scan."""
+"""Shapes that programs draw on a scan."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class TestShapes:
         with pytest.raises(error, match=text):
             make()
 
-    def test_a_ray_without_a_reading_is_no_place(self, laser: LaserWidget) -> None:
+    def test_a_ray_without_a_reading_is_not_a_place(self, laser: LaserWidget) -> None:
         assert laser.scan
         with pytest.raises(ValueError, match="Line: ray 1 has no reading; leave it out, or draw it as an index"):
             Line(laser.scan[0], laser.scan[1])
@@ -241,7 +241,7 @@ class TestInAPlayer:
             player.close()
 
     def shapes(self, player: Any, start: float) -> tuple[list[dict[str, Any]], list[str]]:
-        """What is drawn on the scan at a time, and the notes on it."""
+        """The shapes on the scan at a time, and the notes on it."""
         frame = next(iter(player.views[0].track.frames(start, start)))
         return frame.about.get("shapes", []), frame.about.get("notes", [])
 
@@ -272,7 +272,7 @@ class TestInAPlayer:
         assert "wrong" in notes[1]
         assert "expected a Line, Points" in notes[1]
 
-    def test_the_page_gets_its_segments_anew(self, player: Any) -> None:
+    def test_the_page_gets_its_segments_again(self, player: Any) -> None:
         laser = player.views[0].widget
         before = laser._edition
         laser.draw("zone", Arc(0.5))

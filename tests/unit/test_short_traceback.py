@@ -52,7 +52,7 @@ CONDITIONS = {
     "recording.find(lambda scan: scan.distances() < 1)": "no attribute 'distances'; did you mean 'distance'?",
 }
 FAULT = "recording._messages = None; recording.at('/scan', 1)"
-# Runs each code as a cell, and prints what the notebook shows of it.
+# Runs each code as a cell, and prints the output of the notebook.
 RUN = """
 import json, re, sys
 from IPython.core.interactiveshell import InteractiveShell
@@ -72,7 +72,7 @@ print(json.dumps(texts))
 
 @pytest.fixture(scope="module")
 def texts() -> dict[str, str]:
-    """By code, what a notebook shows when it runs."""
+    """By code, the output of a notebook that runs it."""
     given = json.dumps([*ERRORS, "helper()", *CONDITIONS, FAULT])
     done = subprocess.run([sys.executable, "-c", RUN, given], capture_output=True, text=True, check=True)
     shown: dict[str, str] = json.loads(done.stdout)

@@ -1,4 +1,4 @@
-"""What `make check` tells of the size of the front end."""
+"""The report of `make check` on the size of the front end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def sizes() -> ModuleType:
     return module
 
 
-def test_a_widget_that_becomes_heavier_is_told_with_the_price_and_no_other(sizes: ModuleType) -> None:
+def test_a_widget_that_becomes_heavier_is_reported_with_its_size_and_no_other(sizes: ModuleType) -> None:
     assert sizes.told({"laser": 50_262, "stop": 9_700}, {"laser": 48_262, "stop": 9_583}) == [
         "laser 50.3 kB: warning, 2.0 kB more than in sizes.csv; a page shows its first one 1.6 ms later. "
         "If this is worth it, add a row with the reason.",

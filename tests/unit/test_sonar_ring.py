@@ -34,7 +34,7 @@ NOTHING_BELOW = {**DISTANCE, "min_range": 0.1, "max_range": 0.1, "range": inf}
 
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three seconds at 5 Hz: at second s every sonar measures 3 m - s; one beside them says that there is a floor."""
+    """Three seconds at 5 Hz: at second s every sonar measures 3 m - s; another sensor reports a floor."""
     names = [*RING, CLIFF.name]
     messages = (
         (i / 5, name, {**here, "header": stamped(START_NS + i * 200_000_000, name[1:].replace("/", "_"))})
@@ -121,7 +121,7 @@ def test_a_view_of_a_robot_whose_messages_tell_what_they_are() -> None:
         assert list(ring.ranges) == [name.rpartition("/")[2] for name in RING]
 
 
-def test_a_program_asks_for_sonars_of_which_no_view_has_told() -> None:
+def test_a_program_asks_for_sonars_without_a_view() -> None:
     script = Scripted(SONARS[0], SONARS[1], CLIFF)
     with Feed(script) as feed:
         got: list[Ranges] = []

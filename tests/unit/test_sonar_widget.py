@@ -1,4 +1,4 @@
-"""`SonarWidget` and `Ranges`: what Python code says to them and hears from them, without a page."""
+"""`SonarWidget` and `Ranges`: their Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class TestRanges:
         assert len(ranges) == 6
         assert "rear" in ranges
 
-    def test_say_which_there_are_where_one_is_not(self) -> None:
+    def test_name_the_existing_ones_if_one_is_missing(self) -> None:
         with pytest.raises(KeyError, match="no sensor 'fornt'; there are: front, left"):
             Ranges({"front": Range(1.0), "left": Range(2.0)})["fornt"]
         with pytest.raises(KeyError, match="no sensor 'front'; no sensor has sent anything yet"):
@@ -120,9 +120,9 @@ class TestUpdate:
         ]
         assert isnan(sonars["left"].distance)
         sonars.update(sensor=1.5, reading=2.5)
-        assert (sonars["sensor"].range, sonars["reading"].range) == (1.5, 2.5), "any name may be one of a sensor"
+        assert (sonars["sensor"].range, sonars["reading"].range) == (1.5, 2.5), "any name may be the name of a sensor"
 
-    def test_takes_all_ranges_of_a_moment_in_place_of_those_there(self, sonars: SonarWidget) -> None:
+    def test_takes_all_ranges_of_a_moment_instead_of_its_own(self, sonars: SonarWidget) -> None:
         sonars.update("front", 0.42)
         ranges = Ranges({"a": Range(1.0)}, {"a": 3.0})
         sonars.update(ranges)
@@ -154,15 +154,13 @@ class TestUpdate:
             ),
         ],
     )
-    def test_refuses_what_is_no_reading(
+    def test_refuses_what_is_not_a_reading(
         self, sonars: SonarWidget, given: tuple, named: dict, error: type[Exception], text: str
     ) -> None:
         with pytest.raises(error, match=text):
             sonars.update(*given, **named)
 
-    def test_shows_the_others_where_one_is_wrong_and_keeps_its_error_until_it_is_right(
-        self, sonars: SonarWidget
-    ) -> None:
+    def test_shows_the_others_if_one_is_wrong_and_keeps_its_error_until_it_is_right(self, sonars: SonarWidget) -> None:
         with pytest.raises(TypeError, match=r"^left: expected metres"):
             sonars.update({"front": 0.42, "left": "x", "right": 1.0})
         assert list(sonars) == ["front", "right"]
@@ -228,7 +226,7 @@ class TestShown:
         sonars.reset()
         assert isinf(sonars["front"].age)
 
-    def test_those_of_a_feed_are_expected_by_name(self, sonars: SonarWidget) -> None:
+    def test_ranges_of_a_feed_are_expected_by_name(self, sonars: SonarWidget) -> None:
         sonars.update("sonar_1", 1.0)
         sonars.expect("sonar_0", "sonar_1")
         assert list(sonars) == ["sonar_0", "sonar_1"]
@@ -257,7 +255,7 @@ class TestShown:
         sonars.update(front=0.42, left=1.0)
         assert repr(sonars) == "<SonarWidget sonars: Ranges of 2 sensors, nearest 0.42 m at front>"
 
-    def test_odd_numbers_are_told_with_their_sensor(self, sonars: SonarWidget) -> None:
+    def test_odd_numbers_are_reported_with_their_sensor(self, sonars: SonarWidget) -> None:
         sonars.update("front", message(field_of_view=30.0))
         assert [str(what) for what, _ in sonars.get_state()["_about"]["problems"]] == [
             "front: field_of_view is 30 rad: not used"
@@ -330,7 +328,7 @@ def test_an_array_is_one_sensor_for_each_of_its_numbers(sonars: SonarWidget) -> 
         sonars.update("ir", ["far"])
 
 
-def test_sensors_are_where_tf_has_their_frames_and_the_table_of_a_person_comes_first(sonars: SonarWidget) -> None:
+def test_sensors_are_placed_by_tf_and_the_users_table_comes_first(sonars: SonarWidget) -> None:
     sonars.update("front", message(frame="sonar_front"))
     sonars.update("left", message(frame="sonar_left"))
     sonars.poses = {"left": "90deg"}
@@ -349,14 +347,12 @@ def test_sensors_are_where_tf_has_their_frames_and_the_table_of_a_person_comes_f
     frame = sonars.get_state()["_frame"]
     rows = np.frombuffer(frame, "<f4", offset=len(frame) - 9 * 2 * 4).reshape(9, 2)
     assert rows[6:, 0] == pytest.approx([0.2, 0.0, -pi / 2])
-    # The page goes by the table before it goes by the reading.
+    # The page uses the table before the reading.
     assert sonars.get_state()["poses"]["left"][2] == pytest.approx(pi / 2)
 
 
 @pytest.mark.parametrize("wrong", [nan, None])
-def test_a_transform_without_a_pose_leaves_the_sonars_beside_it_where_they_are(
-    sonars: SonarWidget, wrong: float | None
-) -> None:
+def test_a_transform_without_a_pose_does_not_move_other_sonars(sonars: SonarWidget, wrong: float | None) -> None:
     sonars.take_frames(
         scene.tf_of_rosbridge(("base_link", "front", 0.2), ("base_link", "wheel", wrong), ("base_link", "left", 0.1))
     )

@@ -1,4 +1,4 @@
-"""`SpeedWidget`: what Python code says to it and hears from it, without a page."""
+"""`SpeedWidget`: its Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ STAMPED = {"header": {"stamp": {"sec": 3, "nanosec": 4}, "frame_id": "base_link"
 
 
 def sent(speed: SpeedWidget) -> tuple[int, list[float], list[float], list[float], list[float]]:
-    """What a page that opens now gets: what is there, measured, commanded, least, greatest."""
+    """The data for a newly opened page: axes in use, measured, commanded, least, greatest."""
     frame = speed.get_state()["_frame"]
     there, _, _, _, *values = struct.unpack_from("<ddqd26d", frame, FRAME_HEADER.size)
     assert len(frame) == FRAME_HEADER.size + struct.calcsize("<ddqd26d")
@@ -64,7 +64,7 @@ class TestUpdate:
         assert speed.speed.linear == (0.5, 0, 0)
         assert all(isnan(v) for v in speed.speed.angular)
 
-    def test_bars_are_of_what_was_measured_or_of_what_was_asked_for(self) -> None:
+    def test_bars_show_measured_or_commanded_speeds(self) -> None:
         assert SpeedWidget().bars == "measured"
         assert SpeedWidget(bars="commanded").get_state()["bars"] == "commanded"
         with pytest.raises(
@@ -79,7 +79,7 @@ class TestUpdate:
         assert speed.over_limits == {}
         assert sent(speed)[0] == 2
 
-    def test_the_page_is_told_the_frame_of_an_odometry(self) -> None:
+    def test_the_page_gets_the_frame_of_an_odometry(self) -> None:
         speed = SpeedWidget()
         speed.update({"child_frame_id": "base_footprint", "twist": {"twist": TWIST}})
         speed.command(TWIST)
@@ -168,7 +168,7 @@ class TestLimits:
             (True, r"expected a number above 0, or a pair .* got True"),
         ],
     )  # fmt: skip
-    def test_what_is_no_pair_round_zero_is_refused(self, given: Any, said: str) -> None:
+    def test_what_is_not_a_pair_around_zero_is_refused(self, given: Any, said: str) -> None:
         with pytest.raises(TraitError, match=said):
             SpeedWidget(linear_limits=given)
         speed = SpeedWidget()
@@ -202,7 +202,7 @@ class TestLimits:
 
 
 class TestPeaks:
-    def test_none_is_missed_between_two_messages_to_the_page(self) -> None:
+    def test_no_change_is_missed_between_two_messages_to_the_page(self) -> None:
         speed = SpeedWidget()
         for x in [*np.linspace(0, 0.5, 500), 3.0, -2.0, *np.linspace(0.5, 0, 500)]:
             speed.update(linear=(x, 0, 0))
@@ -308,7 +308,7 @@ class TestErrors:
             ("command", [], {"angular": "abc"}, TypeError, r"^command\(\): angular: expected three .*, got 'abc'$"),
         ],
     )  # fmt: skip
-    def test_what_is_no_speed_is_refused_and_the_last_one_stays(
+    def test_what_is_not_a_speed_is_refused_and_the_last_one_stays(
         self, method: str, messages: list[Any], fields: dict[str, Any], error: type[Exception], said: str
     ) -> None:
         speed = SpeedWidget()
@@ -327,7 +327,7 @@ class TestErrors:
         speed.command(TWIST)
         assert "error" not in speed.get_state()["_about"]
 
-    def test_in_a_thread_it_is_said_and_logged_instead_of_raised(self, caplog: pytest.LogCaptureFixture) -> None:
+    def test_in_a_thread_it_is_reported_and_logged_instead_of_raised(self, caplog: pytest.LogCaptureFixture) -> None:
         speed = SpeedWidget(title="/odom")
         with caplog.at_level(logging.ERROR, "robowidgets"):
             thread = threading.Thread(target=speed.update, args=("stop",))

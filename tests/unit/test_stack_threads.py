@@ -1,4 +1,4 @@
-"""Threads on stacks that are put aside, and what the page and Python make of each other's values, without a browser."""
+"""Threads on stacks that are put aside, and the exchange of values between the page and Python, without a browser."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .. import stack_cases
 
 
 class Null:
-    """What Pyodide has for null."""
+    """Pyodide's value for null."""
 
 
 NULL = Null()
@@ -24,7 +24,7 @@ NULL = Null()
 
 @pytest.fixture(scope="module")
 def wrong() -> dict[str, str]:
-    """What went wrong in each case, in a process of their own: they replace what is below `threading`."""
+    """The failures of each case, in a process of their own: they replace the base of `threading`."""
     command = [sys.executable, stack_cases.__file__]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr
@@ -84,7 +84,7 @@ def test_a_value_reaches_the_page_as_json_has_it(value: Any, there: Any) -> None
     assert (sent, type(sent)) == (there, type(there))
 
 
-def test_the_null_of_the_page_is_none_wherever_it_stands() -> None:
+def test_the_null_of_the_page_is_none_everywhere() -> None:
     assert from_page({"pinned": NULL, "rays": [1, NULL, {"a": NULL}]}, NULL) == {
         "pinned": None,
         "rays": [1, None, {"a": None}],
@@ -107,7 +107,7 @@ def test_a_comm_is_repaired_in_both_directions_and_buffers_pass() -> None:
     assert comm.got == {"content": {"data": {"state": {"a": None}}}, "buffers": [b"1"]}
 
 
-def test_code_of_cells_and_files_is_the_users_and_that_of_python_and_packages_is_not() -> None:
+def test_code_of_cells_and_files_is_the_users_and_code_of_python_and_packages_is_not() -> None:
     users = compile("", "<ipython-input-1-abc>", "exec"), compile("", str(Path.home() / "my.py"), "exec")
     others = json.dumps.__code__, pytest.fixture.__code__, to_page.__code__, compile("", "<frozen os>", "exec")
     assert [is_users(code) for code in (*users, *others)] == [True, True, False, False, False, False]

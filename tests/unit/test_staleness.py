@@ -1,4 +1,4 @@
-"""The rules of what is stale, which all stand in one module for each half."""
+"""The rules of staleness, which are all in one module for each half."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_a_rule_counts_usual_steps_within_its_limits_in_the_unit_of_the_step() -
     ],
     ids=["live", "to drive by", "recorded", "pause", "open end", "clock jump"],
 )
-def test_the_rules_are_those_of_the_documentation(rule: SilenceRule, said: str) -> None:
+def test_the_rules_match_the_documentation(rule: SilenceRule, said: str) -> None:
     assert said == "at 10 Hz {:g} s, at 1 Hz {:g} s, without a rate {:g} s".format(*map(rule.after, (0.1, 1.0, inf)))
 
 

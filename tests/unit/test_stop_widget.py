@@ -1,4 +1,4 @@
-"""`StopWidget`: who drives, the latch, and how messages reach it beside a running cell."""
+"""`StopWidget`: the driver, the latch, and the messages that reach it while a cell runs."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ def bar(feed: Feed) -> Iterator[StopWidget]:
 
 
 def hear(bar: StopWidget, act: str, **more: Any) -> None:
-    """A message of the page."""
+    """Send a message of the page."""
     bar._handle_custom_msg({"act": act, "press": "view", **more}, [])
 
 
-def test_it_tells_who_drives_and_what_is_said_against_it(feed: Feed, bar: StopWidget) -> None:
+def test_it_shows_the_driver_and_the_warnings_about_it(feed: Feed, bar: StopWidget) -> None:
     page = Page(bar)
     feed.driving = Driving(topic="/base/cmd_vel")
     feed.drive(0.2, 0.5)
@@ -97,14 +97,14 @@ def test_each_message_tells_the_feed_that_a_page_is_there(feed: Feed, bar: StopW
     feed.drive(0.1)
 
 
-def test_a_zero_that_fails_is_told_until_it_was_sent(feed: Feed, script: Scripted, bar: StopWidget) -> None:
+def test_a_zero_that_fails_is_reported_until_it_was_sent(feed: Feed, script: Scripted, bar: StopWidget) -> None:
     page = Page(bar)
     feed.drive(0.2, 0.5)
     script.broken = "no room"
     bar.stopped = True
     text = "Sending zero to the robot failed: FeedError: no room"
     wait_for(lambda: page.state["_state"]["error"] == text, "it is told")
-    assert page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "as far as is known it moves"
+    assert page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "it is assumed to move"
     script.broken = ""
     wait_for(lambda: page.state["_state"]["error"] == "", "the zero was sent after all")
     assert page.state["_state"]["speed"] == ZERO

@@ -17,14 +17,14 @@ def built(name: str, kind: str) -> str:
 
 
 def selectors(name: str) -> set[str]:
-    """The selectors of a stylesheet, also those within @container and @media."""
+    """The selectors of a stylesheet, including those within @container and @media."""
     lists = re.findall(r"([^{}]+)\{[^{}]*\}", built(name, "css"))
     return {one.strip() for several in lists for one in re.split(r",(?![^(]*\))", several)}
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_widget_lacks_no_rule_that_another_widget_has_for_its_classes(name: str) -> None:
-    # After a dot it is looked for, not made: each script looks at the boxes around its cards.
+    # A class name after a dot is looked up, not made: each script looks at the boxes around its cards.
     classes = {*re.findall(r"(?<![.\w-])rw-[\w-]+", built(name, "js")), f"rw-{name.removesuffix('_widget')}"}
     every = set().union(*(selectors(other) for other in NAMES))
     missing = [
@@ -36,7 +36,7 @@ def test_a_widget_lacks_no_rule_that_another_widget_has_for_its_classes(name: st
 
 
 def test_no_rule_looks_at_what_is_in_an_element() -> None:
-    """In JupyterLab rules by `:has()` have the page look at them up to the root at each change: see `room.ts`."""
+    """In JupyterLab, rules with `:has()` make the page check elements up to the root at each change: see `room.ts`."""
     assert [
         file.name for file in JS.rglob("*.css") if "node_modules" not in file.parts and ":has(" in file.read_text()
     ] == []

@@ -92,7 +92,7 @@ def listed_threads() -> set[str]:
 
 @pytest.fixture(scope="module")
 def full(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What was noted while all parts were at work, and at the end of all."""
+    """The notes while all parts were at work, and at the end of all."""
     folder = tmp_path_factory.mktemp("full")
     at_work, at_end = folder / "at_work.json", folder / "at_end.json"
     kernel = Kernel(folder / "heard.txt", before=NOTED)

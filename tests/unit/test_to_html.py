@@ -1,4 +1,4 @@
-"""A page in a file, of a recording: what is written, how large it is, and what is refused."""
+"""A page in a file, from a recording: its content, its size, and the refusals."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_a_page_of_a_stretch_has_its_texts_and_segments_and_nothing_of_markup(pa
     assert hostile.encode() in page
 
 
-def test_the_axes_that_no_speed_uses_are_left_out_where_there_is_a_scanogram(path: Path, tmp_path: Path) -> None:
+def test_the_axes_that_no_speed_uses_are_left_out_if_there_is_a_scanogram(path: Path, tmp_path: Path) -> None:
     def planar(**more: bool) -> list[bytes]:
         with robowidgets.open(path) as recording:
             text = recording.to_html(tmp_path / "a.html", **more).read_text(encoding="utf-8")
@@ -96,7 +96,7 @@ class Part:
 
 @pytest.mark.slow
 def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> None:
-    """At most 0.6 times their topics as MCAP with zstd and 170 kB, but for readings that are noise."""
+    """At most 0.6 times the size of its topics as MCAP with zstd and 170 kB, except for noisy readings."""
     for name in ("hokuyo_people.bag", "tilt_laser.bag", "urg_681.bag", "neato_fsm_zstd.mcap", "edmonton.log.gz"):
         file = data / "good" / name
         with robowidgets.open(file) as recording:
@@ -109,7 +109,7 @@ def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> N
 
 def test_numbers_keep_the_sign_of_zero() -> None:
     assert _pack_column(np.array([0.0, 0.5]))[0] == 10**6
-    assert _pack_column(np.array([-0.0, 0.5]))[0] == 0, "the bits are packed as they are"
+    assert _pack_column(np.array([-0.0, 0.5]))[0] == 0, "the bits are packed unchanged"
 
 
 def test_a_scanner_whose_number_of_rays_changes_takes_no_more(tmp_path: Path) -> None:
@@ -129,7 +129,7 @@ def test_a_scanner_whose_number_of_rays_changes_takes_no_more(tmp_path: Path) ->
     assert size <= 0.6 * mcap + 176_000
 
 
-def test_every_second_scan_makes_it_smaller_and_is_said(tmp_path: Path) -> None:
+def test_every_second_scan_makes_it_smaller_and_is_noted(tmp_path: Path) -> None:
     scans = [(i / 10, sweeps.scan(sweeps.START_NS, np.random.default_rng(i).random(500))) for i in range(40)]
     with robowidgets.open(sweeps.write(tmp_path / "scans", scans)) as recording:
         assert recording.html_size(every=2) < recording.html_size() - 20_000
@@ -191,7 +191,7 @@ def test_a_closed_player_says_so(path: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are texts there")
-def test_a_recording_whose_name_is_no_utf_8_is_written_and_labelled(tmp_path: Path) -> None:
+def test_a_recording_whose_name_is_not_utf_8_is_written_and_labelled(tmp_path: Path) -> None:
     odd = tmp_path / os.fsdecode(b"Fahrt_\xfcber.mcap")
     copy(robowidgets.SAMPLE, odd)
     with robowidgets.open(odd) as recording:
@@ -250,7 +250,7 @@ def test_a_recording_without_a_message_makes_no_page(data: Path, tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_path_and_the_picture_are_those_of_the_stretch(tmp_path: Path) -> None:
+def test_the_path_and_the_picture_match_the_stretch(tmp_path: Path) -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         text = recording.to_html(tmp_path / "a.html", start=10, end=14).read_text(encoding="utf-8")
     facts, rest = split(parts(text, "page")[0])

@@ -77,7 +77,7 @@ class TestLevels:
         tracker.apply(level(left=True), 3 * S)
         assert tracker.states(3 * S)["left"].touches == 2
 
-    def test_none_at_first_is_no_change(self) -> None:
+    def test_none_at_first_is_not_a_change(self) -> None:
         tracker = TouchTracker()
         tracker.apply(level(left=None), 1 * S)
         assert tracker.states(1 * S)["left"] == TouchSensor()
@@ -90,12 +90,12 @@ class TestLevels:
 
 
 class TestPresence:
-    def test_what_is_absent_at_first_is_free_and_not_unknown(self) -> None:
+    def test_a_sensor_absent_at_first_is_free_and_not_unknown(self) -> None:
         tracker = TouchTracker()
         tracker.apply(presence(), 3 * S)
         assert tracker.states(3 * S)["left"] == TouchSensor(FREE, since_ns=3 * S)
 
-    def test_a_gap_shorter_than_the_hold_is_no_release(self) -> None:
+    def test_a_gap_shorter_than_the_hold_is_not_a_release(self) -> None:
         tracker = TouchTracker(hold=0.15)
         tracker.apply(presence("left"), 0)
         for at in (16, 32, 149):
@@ -118,7 +118,7 @@ class TestPresence:
         assert said(tracker, 250 * MS) == {"left": FREE, "right": FREE}
         assert tracker.next_change_ns(250 * MS) is None
 
-    def test_a_release_that_nobody_looked_at_still_ends_the_touch(self) -> None:
+    def test_an_unread_release_still_ends_the_touch(self) -> None:
         tracker = TouchTracker(hold=0.15)
         tracker.apply(presence("left"), 0)
         tracker.apply(presence("left"), 150 * MS)

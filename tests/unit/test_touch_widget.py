@@ -1,4 +1,4 @@
-"""`TouchWidget`: what Python code says to it and hears from it, without a page."""
+"""`TouchWidget`: its Python interface, without a page."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def rows(frame: bytes) -> Rows:
 
 
 def sent(touch: TouchWidget) -> Rows:
-    """What a page that opens now gets."""
+    """The data for a newly opened page."""
     return rows(touch.get_state()["_frame"])
 
 
 @pytest.fixture
 def next_frame(monkeypatch: pytest.MonkeyPatch) -> Callable[[TouchWidget], Rows]:
-    """Waits for what a widget sends to the page next, one by one."""
+    """Waits for the next messages of a widget to the page, one by one."""
     frames: Queue[tuple[BaseComm, bytes]] = Queue()
 
     def send(comm: BaseComm, data: dict, metadata: object = None, buffers: list[bytes] = ()) -> None:
@@ -80,7 +80,7 @@ class TestStates:
         touch.update(left=False)
         assert touch.states == {"left": FREE, "right": UNKNOWN}
 
-    def test_are_those_of_the_selected_sensors_known_or_not(self, touch: TouchWidget) -> None:
+    def test_cover_the_selected_sensors_known_or_not(self, touch: TouchWidget) -> None:
         touch.update(left=True, right=False)
         touch.sensors = ["right", "tail"]
         assert touch.states == {"right": FREE, "tail": UNKNOWN}
@@ -114,7 +114,7 @@ class TestStates:
         touch.update(left=True)
         assert touch.touches["left"] == 1
 
-    def test_of_contacts_are_those_of_the_robots_own_side(self) -> None:
+    def test_of_contacts_are_on_the_robots_own_side(self) -> None:
         touch = TouchWidget(sensors=["bumper", "arm"])
         touch.update({"states": [{"collision1_name": "wall", "collision2_name": "bumper"}]})
         assert touch.states == {"bumper": TOUCHED, "arm": FREE}
@@ -138,7 +138,7 @@ class TestPage:
         first = sent(touch)["left"][2]
         assert sent(touch)["left"][2] > first
 
-    def test_is_told_how_its_source_speaks(self, touch: TouchWidget) -> None:
+    def test_knows_the_dialect_of_its_source(self, touch: TouchWidget) -> None:
         touch.update({"bumper": 0, "state": 1})
         assert touch.get_state()["_about"] == {"dialect": "kobuki_msgs/BumperEvent", "mode": "event"}
 
@@ -194,7 +194,7 @@ class TestPage:
         def send(*_: object, **__: object) -> None:
             if closing.ident is None:  # the pacer may send, too
                 closing.start()
-            closing.join(0.05)  # as far as it comes while something is being sent
+            closing.join(0.05)  # the part that comes while something is being sent
 
         touch.update(contact("bumper"))
         pacer.flush()
@@ -254,7 +254,7 @@ class TestErrors:
             ((), TypeError, r"^update\(\) needs a message, or sensors by name, like update\(left=True, right=False\)$"),
         ],
     )
-    def test_are_raised_to_the_person_who_calls_and_shown(
+    def test_are_raised_to_the_caller_and_shown(
         self, touch: TouchWidget, arguments: tuple, error: type[Exception], text: str
     ) -> None:
         touch.update(left=True)
@@ -278,7 +278,7 @@ class TestErrors:
         ):
             touch.update({"right": True}, left=True)
 
-    def test_a_state_that_is_none_is_refused_by_name(self, touch: TouchWidget) -> None:
+    def test_an_invalid_state_is_refused_by_name(self, touch: TouchWidget) -> None:
         with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 'yes'$"):
             touch.update(left="yes")
         with pytest.raises(TypeError, match=r"^left: expected True, False or None in a mapping of .*, got 2; "):
@@ -317,7 +317,7 @@ class TestErrors:
             ({"hold": "long"}, r"'hold'.*float.*'long'"),
         ],
     )
-    def test_of_options_are_told_by_name_and_leave_the_old_value(
+    def test_of_options_are_reported_by_name_and_leave_the_old_value(
         self, touch: TouchWidget, option: dict, text: str
     ) -> None:
         (name, value) = next(iter(option.items()))

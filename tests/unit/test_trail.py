@@ -36,7 +36,7 @@ class TestPoses:
         assert poses.at(11.4, None) == pytest.approx((1.0, 1.0, 2 * pi - 3.0)), "the last one holds for a second"
         assert poses.at(11.6, None) is None
 
-    def test_nobody_knows_where_it_was_between_poses_that_are_seconds_apart(self) -> None:
+    def test_the_place_between_poses_that_are_seconds_apart_is_unknown(self) -> None:
         poses = RecentPoses()
         poses.add(Pose(0.0, 0.0, 0.0), 0.0, None)
         poses.add(Pose(10.0, 0.0, 0.0), 10.0, None)
@@ -50,13 +50,13 @@ class TestPoses:
         poses.add(Pose(0.0, 0.0, 0.0), 10.0, 100 * S)
         poses.add(Pose(1.0, 0.0, 0.0), 11.0, 101 * S)
         assert poses.at(11.0, 100 * S) == (0, 0, 0)
-        assert poses.at(11.0, 900 * S) == (1, 0, 0), "of another clock"
+        assert poses.at(11.0, 900 * S) == (1, 0, 0), "from another clock"
         assert poses.at(10.5, None) == (0.5, 0, 0)
         poses.add(Pose(nan, 0.0, 0.0), 11.5, 102 * S)
         poses.add(Pose(2.0, 0.0, 0.0), 12.0, None)
         assert poses.at(12.0, 100 * S) == (2, 0, 0), "one has no stamp"
 
-    def test_a_clock_that_goes_back_starts_anew(self) -> None:
+    def test_a_clock_that_goes_back_starts_again(self) -> None:
         poses = RecentPoses()
         poses.add(Pose(5.0, 0.0, 0.0), 10.0, 100 * S)
         poses.add(Pose(1.0, 0.0, 0.0), 10.1, 50 * S)
@@ -76,7 +76,7 @@ class TestTrail:
             }
         )
         laser.update(scan(1.0, stamp_ns=7 * S))
-        assert "pose" not in laser.get_state()["_about"], "there is no path in its view"
+        assert "pose" not in laser.get_state()["_about"], "no path is in its view"
         together(laser, path)
         laser.update(scan(1.0, stamp_ns=7 * S))
         assert laser.get_state()["_about"]["pose"] == pytest.approx([1.0, 2.0, pi / 2], abs=1e-5)
@@ -88,7 +88,7 @@ class TestTrail:
         assert "pose" not in laser.get_state()["_about"]
 
     @pytest.mark.parametrize("wrong", [nan, None])
-    def test_a_transform_without_a_pose_leaves_the_scanner_beside_it_where_it_is(self, wrong: float | None) -> None:
+    def test_a_transform_without_a_pose_does_not_move_another_scanner(self, wrong: float | None) -> None:
         laser = LaserWidget(trail=5)
         laser.take_frames(scene.tf_of_rosbridge(("base_link", "wheel", wrong), ("odom", "laser", 0.5)))
         laser.update(Scan([1.0], 0.0, 0.1, 0.1, 9.0, stamp_ns=S, frame_id="laser"))
@@ -148,7 +148,7 @@ class TestSpread:
         assert found == pytest.approx((high - low) / 2, abs=1e-6)
         assert found == pytest.approx([0.0165, 0.0165], abs=1e-3), "1.6 standard deviations"
 
-    def test_what_is_no_reading_is_left_out_and_one_reading_has_none(self) -> None:
+    def test_what_is_not_a_reading_is_left_out_and_one_reading_has_none(self) -> None:
         scans = [scan(1.0, 2.0, NAN, np.inf, 0.0), scan(1.0, NAN, NAN, 1.0, 20.0), scan(1.2, 2.2, -np.inf, NAN, 0.0)]
         assert spread(scans).tolist() == pytest.approx([0.09, 0.09, NAN, NAN, NAN], nan_ok=True)
         assert np.isnan(spread(scans[:1])).all()

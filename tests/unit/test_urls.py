@@ -1,4 +1,4 @@
-"""URLs without secrets: signatures, tokens and passwords go, the name of the object stays."""
+"""URLs without secrets: signatures, tokens and passwords are removed, the name of the object stays."""
 
 from __future__ import annotations
 

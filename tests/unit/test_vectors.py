@@ -37,43 +37,43 @@ class TestScan:
 
 
 def test_frames_are_packed_byte_by_byte() -> None:
-    """Else the layout has changed: change front end and docs/developers/frames.md, run `python -m tests.vectors`."""
+    """Otherwise the layout has changed: fix front end and docs/developers/frames.md, run `python -m tests.vectors`."""
     assert vectors.make() == VECTORS["frames"]
 
 
 def test_rays_stand_by_angle_as_in_the_front_end() -> None:
-    """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
+    """Otherwise the rule has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_rays() == VECTORS["rays"]
 
 
 def test_a_range_is_classified_and_counts_as_in_the_front_end() -> None:
-    """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
+    """Otherwise the rule has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_ranges() == VECTORS["ranges"]
 
 
 def test_pixels_are_read_as_in_the_front_end() -> None:
-    """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
+    """Otherwise the rule has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_images() == VECTORS["images"]
 
 
 def test_points_are_selected_by_the_code_of_the_front_end() -> None:
-    """Else a text has changed: change js/cloud/text.ts, then run `python -m tests.vectors`."""
+    """Otherwise a text has changed: change js/cloud/text.ts, then run `python -m tests.vectors`."""
     assert vectors.make_selections() == VECTORS["selections"]
 
 
 def test_rays_scatter_as_in_the_front_end() -> None:
-    """Else the rule has changed: change the front end, then run `python -m tests.vectors`."""
+    """Otherwise the rule has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_spreads() == VECTORS["spreads"]
 
 
 def test_sectors_hold_and_are_written_as_the_front_end_has_them() -> None:
-    """Else a rule or a text has changed: change the front end, then run `python -m tests.vectors`."""
+    """Otherwise a rule or a text has changed: change the front end, then run `python -m tests.vectors`."""
     assert vectors.make_sectors() == VECTORS["sectors"]
     assert vectors.make_codes() == VECTORS["codes"]
 
 
 def test_a_source_is_silent_when_the_front_end_says_so() -> None:
-    """Else a rule has changed: change js/shared/staleness.ts, then run `python -m tests.vectors`."""
+    """Otherwise a rule has changed: change js/shared/staleness.ts, then run `python -m tests.vectors`."""
     assert vectors.make_silences() == VECTORS["silences"]
     assert vectors.make_steps() == VECTORS["steps"]
     assert vectors.make_beats() == VECTORS["beats"]

@@ -1,4 +1,4 @@
-"""What a condition says of one sample."""
+"""The verdict of a condition on one sample."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class TestFunction:
             ),
         ],
     )
-    def test_by_what_a_distance_is_chosen_that_is_compared_to_a_limit_is_no_condition(
+    def test_the_comparison_that_chooses_a_distance_is_not_a_condition(
         self, function: Any, rays: list[int], text: str
     ) -> None:
         verdict = judged(function, SEEN)
@@ -104,7 +104,7 @@ class TestFunction:
             (lambda s: any(r < 0.42 for r in s.ranges), [0]),
             (lambda s: s.ranges.min() < 0.5, [0]),
             (lambda s: np.nanmin(s.ranges) < 0.5, [0]),
-            (lambda s: np.sort(s.ranges)[1] < 0.5, []),  # the index is not that of a ray
+            (lambda s: np.sort(s.ranges)[1] < 0.5, []),  # the index does not belong to a ray
             (lambda s: s.ranges.copy()[1] > 0.5, []),
             (lambda s: s.turned("10deg").distance("front") < 0.5, [0, 2, 3]),
         ],
@@ -165,7 +165,7 @@ class TestFunction:
         assert judged(lambda s: s.ranges[0:1].min() > 1, scan(INF, NAN)).rays.tolist() == []
         assert judged(lambda s: not s.ranges[:0].size, scan(INF)).rays.tolist() == []
 
-    def test_is_unknown_where_it_compares_no_known_distance_or_returns_none(self) -> None:
+    def test_is_unknown_if_it_compares_no_known_distance_or_returns_none(self) -> None:
         dark = scan(NAN, NAN, NAN)
         assert judged(lambda s: s.distance() < 0.5, dark).value is None
         assert judged(lambda s: not s.distance() > 0.5, dark).value is None

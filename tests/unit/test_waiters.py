@@ -1,4 +1,4 @@
-"""What threads of users wait by."""
+"""The waiting primitives for threads of users."""
 
 from __future__ import annotations
 

@@ -33,14 +33,14 @@ def laser() -> Iterator[LaserWidget]:
 
 
 def show(laser: LaserWidget, nearest: float) -> None:
-    """Five rays from the right to the left, of which the middle one sees the nearest thing."""
+    """Five rays from right to left; the middle one sees the nearest thing."""
     laser.update(
         ranges=[2.0, 2.0, nearest, 2.0, 2.0], angle_min=-0.4, angle_increment=0.2, range_min=0.1, range_max=4.0
     )
 
 
 def lamp(page: Page, name: str = "wall") -> dict[str, Any]:
-    """The lamp on the page; empty where there is none."""
+    """The lamp on the page, or empty if it is not shown."""
     return next((lamp for lamp in page.state["_about"].get("lamps", ()) if lamp["name"] == name), {})
 
 
@@ -90,7 +90,7 @@ class TestLamp:
             about = state["_about"]
             assert about["judged"] == sequence(state)
             right = "false" if sequence(state) % 2 else "true"
-            assert about["lamps"][0]["state"] in (right, "unknown"), "unknown where the machine was held up"
+            assert about["lamps"][0]["state"] in (right, "unknown"), "unknown while the machine was held up"
         show(laser, 0.4)
         wait_for(lambda: wall.value is True, "the last scan is judged")
 
@@ -358,7 +358,7 @@ class TestArguments:
             player.views[0].widget.watch(conditions.speed_above(0.5))
         player.close()
 
-    def test_in_a_player_each_scan_has_its_verdict_which_is_that_of_find(self) -> None:
+    def test_in_a_player_each_scan_has_its_verdict_which_matches_find(self) -> None:
         near = conditions.nearest_below(0.3)
         with robowidgets.open(robowidgets.SAMPLE) as recording:
             found = recording.find(near)
@@ -366,7 +366,7 @@ class TestArguments:
         view = player.views[0]
         edition = view.widget._edition
         wall = view.widget.watch(near, name="wall")
-        assert view.widget._edition == edition + 1, "the page gets the frames anew"
+        assert view.widget._edition == edition + 1, "the page gets the frames again"
         lit = {timed.seconds: timed.about["lamps"][0] for timed in view.track.frames(0.0, 30.0)}
         for seconds, lamp in lit.items():
             is_found = any(span.start <= seconds < span.end for span in found)
@@ -439,7 +439,7 @@ def test_a_function_that_never_ends_is_ended_when_it_is_not_wanted_any_more(lase
         wait_for(lambda: laser._watches.judge and laser._watches.judge.is_late, "it is at work")
         end()
         wait_for(lambda: ended, "it has ended")
-        assert wall.error == "", "that is no error of the function"
+        assert wall.error == "", "that is not an error of the function"
         with pytest.raises(RuntimeError, match=f"wall: {why}"):
             wall.wait(0)
 

@@ -1,4 +1,4 @@
-"""Which topics share a widget."""
+"""The topics that share a widget."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_a_command_alone_is_shown_as_one() -> None:
     assert [choice.make().bars for choice in choose_widgets(shown[2:])] == ["commanded", "commanded"]
 
 
-def test_odometry_has_a_path_beside_its_speed_and_a_command_has_none() -> None:
+def test_odometry_has_a_path_next_to_its_speed_and_a_command_has_none() -> None:
     odometry = "nav_msgs/msg/Odometry"
     shown = [
         FeedTopic(name, of, "speed", is_command(name), offered=True, wanted=None)
@@ -67,7 +67,7 @@ def test_odometry_has_a_path_beside_its_speed_and_a_command_has_none() -> None:
     assert type(chosen[-1].make()).__name__ == "PathWidget"
 
 
-def test_a_speed_of_a_topic_has_no_limits_until_somebody_sets_them() -> None:
+def test_a_speed_of_a_topic_has_no_limits_until_they_are_set() -> None:
     shown = [FeedTopic("/odom", "", "speed", commanded=False, offered=True, wanted=None)]
     speed = choose_widgets(shown)[0].make()
     speed.update(linear=(3.0, 0.0, 0.0))
@@ -177,12 +177,12 @@ class TestTopicsOfNumbers:
         made = [choice.make() for choice in choose_widgets(topics, [topic.name for topic in topics])]
         assert [widget.fields for widget in made] == [(f"/n{i}.data",) for i in range(12)]
 
-    def test_come_before_trees_where_no_topic_has_a_kind(self) -> None:
+    def test_come_before_trees_if_no_topic_has_a_kind(self) -> None:
         topics = of_types(joints="sensor_msgs/msg/JointState", lux="sensor_msgs/msg/Illuminance")
         shown = choose_instead(topics, lambda _: True)
         assert shown == ["/lux", "/joints"]
 
-    def test_have_the_widget_that_somebody_adds_for_their_type(self) -> None:
+    def test_have_the_widget_that_the_user_adds_for_their_type(self) -> None:
         mine = kinds.OnDemandWidget(name="mine", types=frozenset({IMU}), widget="tests.fourth_kind.on_demand:AnyWidget")
         before = dict(kinds.ON_DEMAND)
         kinds.add(mine)

@@ -1,4 +1,4 @@
-"""What goes wrong upstream without our fixes: each function returns whether it does, with the installed versions."""
+"""Upstream faults without our fixes: each function returns True if the installed versions have the fault."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from .waiting import wait_for
 
 
 def printed_by(program: str, *, code: int = 0) -> str:
-    """What a program prints that runs in a Python of its own, and ends with this code."""
+    """Run a program in a Python of its own, and return its output; fail unless it ends with this code."""
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=240)
     assert done.returncode == code, done.stderr
     return done.stdout.strip()
@@ -288,7 +288,7 @@ def the_server_of_foxglove_leaves_nagle_on() -> bool:
 
 
 def own_sockets() -> list[socket.socket]:
-    """The sockets of this process, those of libraries without Python too."""
+    """The sockets of this process, including those of libraries outside Python."""
     links = [link for link in Path("/proc/self/fd").iterdir() if link.is_symlink()]
     return [socket.socket(fileno=os.dup(int(link.name))) for link in links if link.is_socket()]
 
@@ -398,7 +398,7 @@ GOES_WRONG: dict[tuple[str, str], Callable[[], bool]] = {
     ("share_class", "traitlets"): traitlets_makes_a_class_for_each_instance,
     ("share_class", "anywidget"): anywidget_adds_traits_to_each_widget,
 }
-"""By the name of a fix, and that of the project that goes wrong."""
+"""By the name of a fix and of the faulty project."""
 
 GOES_WRONG_SLOWLY: dict[tuple[str, str], Callable[[], bool]] = {
     ("message_padding", "jupyter_server"): the_server_of_jupyter_leaves_nagle_on,
@@ -412,4 +412,4 @@ GOES_WRONG_SLOWLY: dict[tuple[str, str], Callable[[], bool]] = {
     ("change_tracebacks", "ipython"): lambda: of_a_shell()["frames"],
     ("bound_decompression", "rosbags"): rosbags_decompresses_without_a_limit,
 }
-"""Those that take more than a second."""
+"""Functions that take more than a second."""

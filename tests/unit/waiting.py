@@ -1,4 +1,4 @@
-"""Time in tests: waiting on a condition, for what happens in other threads, and a clock that stands still."""
+"""Time in tests: waiting for a condition, for events in other threads, and a clock that stands still."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from types import SimpleNamespace
 
 
 class Clock(SimpleNamespace):
-    """In place of the module `time`: a clock that stands still until it is set."""
+    """Replaces the module `time`: a clock that stands still until it is set."""
 
     def __init__(self) -> None:
         super().__init__(now=100.0, monotonic=lambda: self.now)
 
 
 def wait_for(condition: Callable[[], object], what: str, seconds: float = 240.0, *, every: float = 0.002) -> None:
-    """Return once the condition holds; fail by name if it never does. One that costs something is tried less often."""
+    """Return once the condition holds; fail by name if it never does. An expensive condition is tried less often."""
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline, f"waited {seconds:g} s in vain until {what}"
@@ -24,5 +24,5 @@ def wait_for(condition: Callable[[], object], what: str, seconds: float = 240.0,
 
 
 def threads_named(name: str) -> int:
-    """How many threads of that name are alive. The count of all threads also falls when one of another test ends."""
+    """The number of living threads of this name. The count of all threads falls when any thread ends."""
     return sum(thread.name == name for thread in threading.enumerate())

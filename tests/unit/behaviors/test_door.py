@@ -1,4 +1,4 @@
-"""The program of the page on programs that goes sideways to a door, on the simulated PR2."""
+"""The program from the page on programs that drives sideways to a door, on the simulated PR2."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PAGE = (Path(__file__).parents[3] / "docs" / "programs.md").read_text(encoding="
 
 @pytest.fixture(scope="module")
 def names() -> dict[str, Any]:
-    """All names of the block that defines the program, and its rooms."""
+    """The names in the block that defines the program, and its rooms."""
     (block,) = re.findall(r"^```python\n([^`]*?^class Door.*?)^pr2 = ", PAGE, re.MULTILINE | re.DOTALL)
     found: dict[str, Any] = {"__name__": __name__}
     exec(f"from robowidgets.behaviors import Drive\n{block}", found)
@@ -27,7 +27,7 @@ def names() -> dict[str, Any]:
 
 
 def through(door: Any, robot: Robot) -> list[str]:
-    """The states that it was in, one after the other, and never a touch."""
+    """Drive, and return its states in order; fail if it touches a wall."""
     states: list[str] = []
     for step in simulate(door, robot, 120.0, until=lambda: states[-1:] == ["beyond"] and not any(robot.speed().values)):
         assert robot.world.clearance(*robot.pose[:2]) > robot.radius, "it touches a wall"

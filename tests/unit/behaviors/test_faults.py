@@ -1,4 +1,4 @@
-"""What goes wrong in a program, in a real kernel: the robot, in that other process, logs every command."""
+"""Faults in a program, in a real kernel: the robot, in another process, logs every command."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ def avoid(state):
 {body}
 """
 LOOKS = PROGRAM.replace("state", "scan")
-"""One that takes samples: where a busy machine delays them, the newest is too old, and the robot gets zero."""
+"""Takes samples: if a busy machine delays them, the newest is too old, and the robot gets zero."""
 MARK = """    if state.setdefault("begins", True): state.begins = print((time.monotonic(), 9.0, 0.0), file=log)
 """
-"""Writes into the log that a step begins, once."""
+"""Writes once into the log that a step begins."""
 GOOD = "    return Drive(0.3)"
 SYNTAX_ERRORS = {"SyntaxError", "_IncompleteInputError"}
-"""As IPython names it where a bracket is not closed, up to Python 3.12 and since."""
+"""IPython's error for an unclosed bracket, up to Python 3.12 and since."""
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +73,7 @@ beside.program(lambda: Drive(0.11), rate=50)
 
 
 def expect_zero(kernel: Kernel, since: float) -> None:
-    """The robot gets zero, long before the hold ends, and nothing else while another robot gets six speeds."""
+    """Fail unless the robot gets zero, long before the hold ends, and nothing more while another gets six speeds."""
     wait_for(lambda: 0.0 in kernel.heard_since(since), "the robot gets zero")
     first = next(at for at, linear, _ in kernel.heard if at >= since and linear == 0.0)
     assert kernel.run("beside", BESIDE)["status"] == "ok"
@@ -146,7 +146,7 @@ def test_a_process_that_is_suspended_in_a_step_drives_on_when_it_is_resumed(kern
     resumed = time.monotonic()
     wait_for(lambda: kernel.heard_since(resumed)[-3:] == [0.3] * 3, "it drives on")
     heard = kernel.heard_since(began)
-    assert heard[heard.index(0.0) :].count(9.0) == 0, "nothing that was asked before the standstill is sent after it"
+    assert heard[heard.index(0.0) :].count(9.0) == 0, "no command from before the pause is sent after it"
     expect(kernel, "running")
 
 
@@ -269,7 +269,7 @@ def test_a_state_machine_is_rewritten_and_its_events_redefined_while_it_runs(ker
     assert kernel.run("walker", MACHINE.format(slow=0.15, back="calm"))["status"] == "ok"
     since = time.monotonic()
     wait_for(lambda: len(kernel.heard_since(since)) > 5, "the new version drives")
-    assert set(kernel.heard_since(since)) == {0.2}  # its active state stayed
+    assert set(kernel.heard_since(since)) == {0.2}  # its active state is unchanged
     kernel.run("event", "def hurry(): return False\ndef calm(): return True")
     wait_for(lambda: kernel.heard[-1][1] == 0.15, "it goes back into the state of the new version")
     kernel.run("event", "def calm(): return nowhere")

@@ -1,4 +1,4 @@
-"""State machines: which state is active, what it does, and what a new version keeps. All in simulated time."""
+"""State machines: their active states, their actions, and the states that a new version keeps. In simulated time."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Run:
         self.state = ProgramState(log=[])
 
     def at(self, time: float, **values: Any) -> tuple[str, ...]:
-        """Make a step; returns the active states."""
+        """Make a step; return the active states."""
         known = {"time": time, "variables": self.variables, "state": self.state, **values}
         self.drive = self.machine(**{name: known[name] for name in self.machine.asks_for})
         return self.machine.active
@@ -292,7 +292,7 @@ def test_a_class_with_actions_that_no_move_names_is_a_state_and_events_of_inner_
     assert run.at(2.1) == ("avoid", "avoid.back")
 
 
-def test_what_no_move_names_is_told() -> None:
+def test_what_no_move_names_is_reported() -> None:
     class Walker:
         free = lambda scan: scan.distance() > 1
 
@@ -312,7 +312,7 @@ def test_what_no_move_names_is_told() -> None:
     assert machine.root.machines[0].initial == "forward"
 
 
-def test_a_helper_that_is_first_is_not_the_initial_state_where_no_move_leads_out_of_it() -> None:
+def test_a_helper_that_is_first_is_not_the_initial_state_if_no_move_leads_out_of_it() -> None:
     class Walker:
         def slow(time):
             return Drive(0.1)
@@ -328,7 +328,7 @@ def test_a_helper_that_is_first_is_not_the_initial_state_where_no_move_leads_out
     assert run.machine.note == "no move leads to the state Walker › slow"
 
 
-def test_an_event_that_no_move_names_is_told_apart_when_it_is_taken_for_the_initial_state() -> None:
+def test_an_event_that_no_move_names_gets_its_own_error_when_it_is_taken_for_the_initial_state() -> None:
     class Walker:
         def near(scan):
             return scan.distance() < 1
@@ -354,7 +354,7 @@ def test_an_event_that_asks_for_something_new_names_what_to_do(monkeypatch: pyte
 
 
 def bumped(time: float) -> bool:
-    """An event of the notebook, which a test redefines."""
+    """An event of the notebook that a test redefines."""
     return time < 0
 
 
@@ -397,7 +397,7 @@ def test_a_machine_may_inherit_from_another() -> None:
     assert run.at(1.0) == ("b",)
 
 
-def test_a_time_that_is_nowhere_is_named() -> None:
+def test_a_missing_time_is_named() -> None:
     class Walker:
         a = b = None
         moves = "a -> b after pause"
@@ -429,7 +429,7 @@ def forward() -> Drive:
 
 
 def clip(value: float) -> float:
-    """No state, and no event."""
+    """Neither a state nor an event."""
     return max(value, 1)
 
 
@@ -583,7 +583,7 @@ def test_what_an_event_stores_and_calculates_are_plain_numbers() -> None:
     assert run.machine.fired[-1].text == "total \u2212 start 3.00 > 1.00 \u00b7 total \u2212 start 3.00 \u2264 5.00"
 
 
-def test_a_machine_has_variables_of_its_own_which_its_entry_sets_anew() -> None:
+def test_a_machine_has_its_own_variables_which_its_entry_resets() -> None:
     class Walker:
         class search:
             aligned, seen = False, []
@@ -629,7 +629,7 @@ def test_metres_and_radians_count_from_the_entry_of_a_state() -> None:
     assert run.machine.fired[-1].text == "driven 0.50 \u2265 0.50 m"
 
 
-def test_a_person_sends_a_machine_to_a_state_which_is_entered_at_the_next_step() -> None:
+def test_the_user_sends_a_machine_to_a_state_which_is_entered_at_the_next_step() -> None:
     def note(word: str) -> Any:
         return lambda state: state.log.append(word)
 
@@ -665,7 +665,7 @@ def test_a_person_sends_a_machine_to_a_state_which_is_entered_at_the_next_step()
         run.machine.go_to("fly")
 
 
-def test_a_nested_state_is_written_as_in_the_picture_wherever_it_is_told() -> None:
+def test_a_nested_state_is_written_as_in_the_picture_in_every_message() -> None:
     class Walker:
         class avoid:
             class turn:
@@ -694,14 +694,14 @@ def test_a_nested_state_is_written_as_in_the_picture_wherever_it_is_told() -> No
     Newer.__name__ = "Walker"
     machine = Machine(Newer)
     machine.adopt(run.machine)
-    assert machine.active_text == "avoid › left + up", "as long as the version before goes on"
+    assert machine.active_text == "avoid › left + up", "while the version before continues"
     run.machine = machine
     run.at(0.1)
     assert machine.note == "the state avoid › turn › left is gone: right takes over"
     assert machine.active_text == "avoid › right"
 
 
-def test_two_moves_that_take_turns_at_every_step_are_told_while_they_do(caplog: pytest.LogCaptureFixture) -> None:
+def test_two_moves_that_take_turns_at_every_step_are_reported_while_they_do(caplog: pytest.LogCaptureFixture) -> None:
     class Walker:
         near = lambda variables: variables.way < 0.5
         free = lambda variables: variables.way < 0.6

@@ -30,7 +30,7 @@ def programs() -> dict[str, Any]:
 
 
 def changes(steps: list[Step]) -> list[tuple[float, str]]:
-    """The times at which the innermost active state changed, and to which."""
+    """The times at which the innermost active state changed, and the new states."""
     found: list[tuple[float, str]] = []
     for step in steps:
         if not found or found[-1][1] != step.active[-1]:

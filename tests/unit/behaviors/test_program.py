@@ -1,4 +1,4 @@
-"""Programs: what a step gets, what becomes of what it returns, and what a person sees and sets."""
+"""Programs: the arguments of a step, the use of its return value, and the values that the user sees and sets."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def test_samples_that_cannot_be_taken_end_it_with_a_word_and_its_next_version_dr
     wait_for(lambda: script.speeds[-1] == (0.1, 0.0), "it drives again")
 
 
-def test_a_version_may_choose_other_samples_while_those_of_the_last_are_taken(robot: Feed, script: Scripted) -> None:
+def test_a_version_may_choose_other_samples_while_the_last_version_takes_its_own(robot: Feed, script: Scripted) -> None:
     inputs, is_over, seen = FeedInputs(robot.connection, lambda: None), threading.Event(), set()
 
     def take() -> None:
@@ -248,7 +248,7 @@ def test_none_keeps_the_speed_and_zero_follows_the_last_scan(
 def test_a_hand_outranks_a_program_which_goes_on_after_it(
     robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(command_watchdog, "HOLD", 3600.0)  # a press ends when it is let go
+    monkeypatch.setattr(command_watchdog, "HOLD", 3600.0)  # a press ends when it is released
 
     @robot.program(rate=50)
     def go():  # type: ignore[no-untyped-def]
@@ -337,7 +337,7 @@ def test_no_speed_follows_the_zero_on_a_topic_that_is_left(
 
 @pytest.fixture
 def hanging_log() -> Iterator[threading.Event]:
-    """While the event is not set, whoever logs hangs."""
+    """Yield while every logging thread hangs; set the event to end that."""
     gate, handler = threading.Event(), logging.Handler()
     handler.emit = lambda record: None if gate.wait(120) else record  # type: ignore[method-assign]
     logging.getLogger("robowidgets").addHandler(handler)
@@ -433,7 +433,7 @@ def test_variables_keep_what_was_set_by_hand_until_their_first_value_changes(rob
         variables.slider("wide", 3, 1, 2)
 
 
-def test_the_log_has_its_error_without_our_frames_and_no_warning_of_what_is_none(
+def test_the_log_has_its_error_without_our_frames_and_no_false_warning(
     robot: Feed, caplog: pytest.LogCaptureFixture
 ) -> None:
     def first():  # type: ignore[no-untyped-def]
@@ -457,7 +457,7 @@ def test_the_log_has_its_error_without_our_frames_and_no_warning_of_what_is_none
     assert caplog.text.count("Traceback") == 2
 
 
-def test_a_step_that_returns_no_drive_is_told_in_one_line_without_a_traceback_of_ours(
+def test_a_step_that_returns_no_drive_is_reported_in_one_line_without_a_traceback_of_ours(
     robot: Feed, caplog: pytest.LogCaptureFixture
 ) -> None:
     program = robot.program(lambda: 0.2)
@@ -482,7 +482,7 @@ def test_integers_stay_integers_in_variables(robot: Feed) -> None:
     variables.set("turns", 0.5)
     assert value("turns") == (float, 0.5)
     variables.set("turns", 2)
-    assert value("turns") == (int, 2), "a number that was whole is so again"
+    assert value("turns") == (int, 2), "a number that was whole is whole again"
     with pytest.raises(TypeError, match="turns: expected a number, got True"):
         variables.set("turns", True)
     variables.slider("rooms", 3, 1, 9)
@@ -571,7 +571,7 @@ def test_of_several_scanners_one_must_be_named(script: Scripted) -> None:
         wait_for(lambda: script.speeds[-1:] == [(0.1, 0.0)], "it drives by the one that was named")
 
 
-def test_the_same_program_runs_on_a_recording_beside_what_was_driven() -> None:
+def test_the_same_program_runs_on_a_recording_next_to_the_recorded_speeds() -> None:
     with feeds.recording(SAMPLE, speed=4) as robot:
         view = robot.show()
 

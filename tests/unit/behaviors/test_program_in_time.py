@@ -1,4 +1,4 @@
-"""When a step counts as late, and what happens then and when it is left, by a clock that the test moves.
+"""Late steps, and steps that are left behind, by a clock that the test moves.
 
 The robot is a sink of the command watchdog, which has the same clock: it notes when each speed reaches it.
 """
@@ -33,7 +33,7 @@ REFUSED = "this function was disconnected, replaced or ended while it was at wor
 
 
 class Inputs:
-    """Samples that never come, of a topic that wakes the program when the test says so."""
+    """Samples that never come, of a topic that wakes the program on demand."""
 
     def __init__(self, wake: Callable[[], None]) -> None:
         self.wake = wake
@@ -52,13 +52,13 @@ class Inputs:
 
 
 class Bench:
-    """A program on a robot that notes what it gets, and when."""
+    """A program on a robot that notes each command and its time."""
 
     def __init__(self) -> None:
         self.clock = ManualClock()
         self.heard: list[tuple[float, float]] = []
         self.halts: list[list[bool]] = []
-        """For each halt, whether each thread that was at work then was abandoned."""
+        """For each halt, True for each working thread that was abandoned."""
         self.ends: list[float] = []
         self.gate = threading.Event()
         self.gone = False
@@ -82,7 +82,7 @@ class Bench:
         self.watchdog.stop_program()
 
     def drive(self, linear: float, angular: float = 0.0, lateral: float = 0.0) -> str:
-        """Drive, with a hold that hides no missing zero; returns why it was refused."""
+        """Drive, with a hold too long to hide a missing zero, and return the reason of a refusal."""
         try:
             self.watchdog.drive(Velocity(linear, angular, lateral), hold=1e6)
         except RefusedError as error:
@@ -97,13 +97,13 @@ class Bench:
         self.gate.wait(120)
 
     def drive_then(self, then: Callable[[], Any]) -> None:
-        """A program that drives with 0.3 m/s in its first step, at 1000.0 s, and does something else in the second."""
+        """A program that drives with 0.3 m/s in its first step, at 1000.0 s, and acts otherwise in the second."""
         self.define(lambda: Drive(0.3) if self.program.steps == 1 else then())
         self.clock.settle()
         assert self.heard == [(1000.0, 0.3)]
 
     def drive_then_hang(self, then: Callable[[], Any] = lambda: None) -> None:
-        """The second step, at 1000.1 s, does not return before the gate is open; then it does something else."""
+        """The second step, at 1000.1 s, waits until the gate is open; then it acts."""
         entered = threading.Event()
         self.drive_then(lambda: entered.set() or self.hang() or then())
         self.clock.advance(0.1, HUNG)
@@ -168,7 +168,7 @@ def test_time_in_which_the_process_stood_still_counts_a_tenth_of_a_second(bench:
     assert bench.program.mode == "running"
     bench.clock.advance(0.001, HUNG)
     assert bench.program.mode == "failed"
-    assert bench.heard == [(1000.0, 0.3), (4600.4, 0.0)]  # zero for the standstill comes first
+    assert bench.heard == [(1000.0, 0.3), (4600.4, 0.0)]  # zero for the pause comes first
 
 
 def test_a_step_in_which_the_computer_slept_does_not_drive_when_it_returns_and_the_program_goes_on(
@@ -261,7 +261,7 @@ def test_a_step_that_pauses_its_program_may_go_on_but_not_drive(bench: Bench) ->
     bench.clock.advance(0.1, HUNG)
     wait_for(lambda: refused == [REFUSED], "it is refused")
     bench.clock.advance(2.0, HUNG)
-    assert bench.ends == [], "it goes on by its own will"
+    assert bench.ends == [], "it continues on its own"
     bench.gate.set()
     bench.clock.settle()
     assert bench.heard == [(1000.0, 0.3), (1000.1, 0.0)]
@@ -276,7 +276,7 @@ def test_a_step_that_pauses_its_program_may_go_on_but_not_drive(bench: Bench) ->
         (GeneratorExit(), "GeneratorExit: "),
     ],
 )
-def test_whatever_a_step_raises_stops_the_robot_at_once_and_is_said_with_its_line(
+def test_whatever_a_step_raises_stops_the_robot_at_once_and_is_reported_with_its_line(
     bench: Bench, error: BaseException, words: str
 ) -> None:
     def fail() -> None:
@@ -343,7 +343,7 @@ def test_a_step_that_catches_all_errors_is_ended_too_once_the_robot_has_zero(ben
     assert bench.heard[-1] == (1000.55, 0.0)
 
 
-def test_a_thread_that_a_step_starts_is_no_step_but_the_steps_go_on(bench: Bench) -> None:
+def test_a_thread_that_a_step_starts_is_not_a_step_but_the_steps_go_on(bench: Bench) -> None:
     threads: list[threading.Thread] = []
 
     def spawn() -> Drive:

@@ -1,4 +1,4 @@
-"""The time that a program counts: that in which it could make steps."""
+"""The time of a program counts only while it can make steps."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def script() -> Scripted:
 
 @pytest.fixture
 def robot(script: Scripted, hand: Hand, monkeypatch: pytest.MonkeyPatch) -> Iterator[Feed]:
-    """A robot whose programs count by a clock that the test moves."""
+    """A robot whose programs use a clock that the test moves."""
     monkeypatch.setattr("robowidgets.behaviors.program.StepClock", lambda _now: StepClock(hand))
     with Feed(script) as feed:
         yield feed
@@ -158,7 +158,7 @@ def test_a_step_that_held_the_gil_is_an_error_that_says_how_long_and_that_zero_c
 
 
 @pytest.mark.slow
-def test_a_step_in_which_the_process_was_suspended_is_none(
+def test_a_step_in_which_the_process_was_suspended_does_not_count(
     robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(time, "process_time", lambda: 1.0)  # it did nothing

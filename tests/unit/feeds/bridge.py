@@ -1,4 +1,4 @@
-"""A rosbridge server that does what the sources of rosbridge_suite do, on its branches ros1 and ros2."""
+"""A rosbridge server that behaves like the sources of rosbridge_suite, branches ros1 and ros2."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from .servers import Server
 
 
 class Rosbridge(Server):
-    """Publishes what a test publishes: in JSON with null for NaN and infinity, or in CBOR with arrays in one piece.
+    """Publishes messages of a test: in JSON with null for NaN and infinity, or in CBOR with arrays in one piece.
 
-    As the real one it processes what comes in a queue, which it drops when the connection ends; it tells errors to its
+    Like the real one, it has a queue of messages, which it drops when the connection ends; it reports errors in its
     log alone; it cannot encode arrays of fixed size in CBOR, which are tuples here; and it never begins a subscription
-    without a type to a topic that is not there yet.
+    without a type to a topic that does not exist yet.
 
-    ``topics``: names to types, which say whether it is ROS 1 or 2. ``rosapi``: whether it runs. ``publishers``,
+    ``topics``: names to types, which decide between ROS 1 and 2. ``rosapi``: True if it runs. ``publishers``,
     ``listeners``: nodes by topic. ``missing``: packages that the robot lacks. ``delay``: seconds that each message
     waits in the queue.
     """
@@ -54,7 +54,7 @@ class Rosbridge(Server):
             self._loop.call_soon_threadsafe(self._throttle, topic, asked, frame)
 
     def _throttle(self, topic: str, asked: dict[str, Any], frame: Any) -> None:
-        """Send one frame in each interval, if there is one; of those that wait meanwhile, the oldest are dropped."""
+        """Send one waiting frame in each interval; drop the oldest of the frames that wait meanwhile."""
         pause, waiting = asked["throttle_rate"] / 1000, self._waiting.setdefault(topic, deque())
         waiting.append(frame)
         while len(waiting) > max(1, asked["queue_length"]):
@@ -122,13 +122,13 @@ class Rosbridge(Server):
             self.tell(client, {**answer, "values": words, "result": False})
 
     def publishers_of(self, topic: str) -> list[str]:
-        """The nodes that publish a topic, with the bridge."""
+        """The nodes that publish a topic, including the bridge."""
         there = self.publishers.get(topic, ["/driver"])
         ours = ["/rosbridge_websocket"] if topic in self.advertised else []
         return [*there, *(name for name in ours if name not in there)]
 
     def _check(self, topic: str, kind: str | None) -> None:
-        """Refuse a type that is written as the other ROS does, or is not that of the topic."""
+        """Refuse a type in the notation of the other ROS, or another type than the topic's."""
         there = self.topics.get(topic)
         if kind is None and there is None:
             raise ValueError(f"Cannot infer type for topic {topic} as it is not yet advertised")

@@ -1,4 +1,4 @@
-"""Recording bursts of scans, whatever the middleware."""
+"""Recording bursts of scans, with any middleware."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ..waiting import wait_for
 
 BURSTS, OF = 10, 20
 LAST = 9.0
-"""The first reading of the scan that comes after all of them; those before the first burst have 0."""
+"""The first reading of the scan that comes after all bursts; scans before the first burst have 0."""
 
 
 class Recorded:
-    """What became of ten bursts of 20 scans, whose first readings are 0.01, 0.02, ...
+    """The result of ten bursts of 20 scans, whose first readings are 0.01, 0.02, ...
 
-    ``there``: the readings in the file. ``missing``: the number that ``problems`` tell. ``shown``: how many scans a
+    ``there``: the readings in the file. ``missing``: the number in ``problems``. ``shown``: the number of scans that a
     function of the newest got.
     """
 
@@ -33,7 +33,7 @@ class Recorded:
 
 
 def record_bursts(middleware: Any, path: Path, send: Callable[[list[float]], object]) -> Recorded:
-    """Record them beside a laser that shows them; ``send`` publishes scans on /scan, as fast as it can."""
+    """Record the bursts while a laser shows them; ``send`` publishes scans on /scan, as fast as it can."""
     laser, seen = robowidgets.LaserWidget(), [float("nan")]
     with Feed(middleware) as feed:
         feed.connect("/scan", laser)
@@ -53,4 +53,4 @@ def record_bursts(middleware: Any, path: Path, send: Callable[[list[float]], obj
 
 
 EVERY = [(i + 1) / 100 for i in range(BURSTS * OF)]
-"""The readings of all of them."""
+"""The readings of all bursts."""

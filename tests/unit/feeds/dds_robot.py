@@ -1,4 +1,4 @@
-"""A robot on DDS, in a process of its own: lines of JSON, on its input what it does, on its output what it heard.
+"""A robot on DDS, in its own process: reads commands as lines of JSON, and writes received messages as lines of JSON.
 
 It is written with dataclasses and Cyclone DDS's own reading and writing, and shares no code with the feed.
 """
@@ -162,7 +162,7 @@ USER_DATA = {
     "OldRange": b"typehash=RIHS01_9430b1915b94d4268ff903679e8ecd09b6a67d331bd028738ec1eeb592891ebd;",
     "Range": b"typehash=RIHS01_b42b62562e93cbfe9d42b82fe5994dfa3d63d7d5c90a317981703f7388adff3a;",
 }
-"""What publishers of ROS 2 say of their type, where a test asks for it."""
+"""The user data in which publishers of ROS 2 describe their type, if a test requests it."""
 
 NODES = "ros_discovery_info"
 KEPT = Policy.Reliability.Reliable(duration(seconds=1)), Policy.Durability.TransientLocal
@@ -192,15 +192,15 @@ def tell(what: Any) -> None:
 
 
 def hear(reader: Any) -> None:
-    # Whatever became of the writer, as the middleware of ROS does: by default samples of one that is gone are left.
+    # Whatever the state of the writer, as the middleware of ROS does: by default samples of a deleted writer remain.
     condition = ReadCondition(reader, ViewState.Any | SampleState.NotRead | InstanceState.Any)
     for message in reader.take_iter(condition=condition, timeout=duration(seconds=60)):
-        if isinstance(message, IdlStruct):  # else a sample without data
+        if isinstance(message, IdlStruct):  # otherwise a sample without data
             tell(asdict(message))
 
 
 class Robot:
-    """What it publishes and hears in a domain, by topic and kind."""
+    """Its publishers and subscribers in a domain, by topic and kind."""
 
     def __init__(self, domain: int) -> None:
         self.participant = DomainParticipant(domain)
@@ -221,7 +221,7 @@ class Robot:
         self.writer(topic, kind).write(make(kind, *values))
 
     def burst(self, topic: str, kind: str, readings: list[float]) -> None:
-        """Publish a scan with each of these readings, at once, and tell when that is done."""
+        """Publish a scan with each of these readings, at once, and report the end."""
         writer = self.writer(topic, kind)
         for message in [scan([reading] * 360, 0.01) for reading in readings]:
             writer.write(message)
@@ -252,7 +252,7 @@ class Robot:
         tell("ready")
 
     def want_kept(self, topic: str, kind: str) -> None:
-        """Ask for what is kept for those who come late."""
+        """Request the messages that are kept for late subscribers."""
         self.readers[topic, kind] = DataReader(self.participant, self.topic(topic, TYPES[kind]), Qos(*KEPT))
 
     def stop(self, topic: str, kind: str) -> None:
@@ -264,7 +264,7 @@ class Robot:
         self.participant.__del__()
 
     def name(self, topic: str, kind: str, namespace: str, name: str) -> None:
-        """Say which node publishes a topic, and has all readers that are kept, as ROS 2 does."""
+        """Announce which node publishes a topic and has all kept readers, as ROS 2 does."""
         own, key = (Gid(list(one.guid.bytes)) for one in (self.participant, self.writer(topic, kind)))
         readers = [Gid(list(reader.guid.bytes)) for reader in self.readers.values()]
         info = ParticipantEntitiesInfo(own, [NodeEntitiesInfo(namespace, name, readers, [key])])
@@ -272,15 +272,15 @@ class Robot:
         self.names.write(info)
 
     def best_effort(self, topic: str, kind: str) -> None:
-        """Publish without asking who got it from now on, as drivers of sensors do."""
+        """From now on, publish on a best-effort basis, as drivers of sensors do."""
         self.writer(topic, kind, Policy.Reliability.BestEffort)
 
     def subscribers(self, topic: str, _: str) -> None:
-        """Tell the user data of those who subscribe to a topic."""
+        """Report the user data of the subscribers of a topic."""
         tell([qos[Policy.Userdata].data.decode() if Policy.Userdata in qos else "" for qos in self.wanted(topic)])
 
     def reliable_subscribers(self, topic: str) -> None:
-        """Tell, of each subscription to a topic, whether it asks for lost packets again."""
+        """Report True for each reliable subscription to a topic, False for each other one."""
         tell(sorted(isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable) for qos in self.wanted(topic)))
 
     def wanted(self, topic: str) -> list[Any]:
@@ -290,7 +290,7 @@ class Robot:
 
 
 def main(domain: int, lease: str = "10s") -> None:
-    """Take part in a domain; others miss it if they have heard nothing of it for as long as its lease."""
+    """Join a domain; others consider it gone if they have heard nothing from it during its lease."""
     held = Domain(domain, LOOPBACK.replace("</Discovery>", f"<LeaseDuration>{lease}</LeaseDuration></Discovery>"))
     robot = Robot(domain)
     for line in sys.stdin:

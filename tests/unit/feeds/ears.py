@@ -1,4 +1,4 @@
-"""A listener that keeps what a middleware reports, each change once."""
+"""A listener that records the reports of a middleware, each change once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from robowidgets.feeds.middleware import Advert
 
 
 class Ears:
-    """What a middleware said, in its order; ``then`` is called with each message."""
+    """The reports of a middleware, in order; ``then`` is called with each message."""
 
     def __init__(self) -> None:
         self.connected = 0
@@ -19,12 +19,12 @@ class Ears:
         self.pauses: list[float] = []
         self.topics: list[Advert] | None = None
         self.messages: list[tuple[str, Any]] = []
-        """For those who take the newest."""
+        """Samples for callers that take the newest."""
         self.replaced: list[tuple[str, Any]] = []
-        """For those alone who take each."""
+        """Samples only for callers that take each."""
         self.missed: Counter[str] = Counter()
         self.came: Counter[str] = Counter()
-        """The number of messages that came, also those that newer ones replaced."""
+        """The number of received messages, including those that newer ones replaced."""
         self.troubles: dict[str, str] = {}
         self.said: list[str] = []
         self.unheard: dict[str, str] = {}
@@ -64,7 +64,7 @@ class Ears:
         self.unheard[topic] = reason
 
     def words(self, topic: str) -> str:
-        """What is wrong with a topic now."""
+        """The present problems of a topic."""
         return self.troubles.get(topic, "") or self.unheard.get(topic, "")
 
     def of(self, topic: str) -> list[Any]:

@@ -1,14 +1,14 @@
 """Stands in for rclpy: one network, nodes on it, executors that call back. Messages are those of rosbags.
 
-Where rclpy of Humble to Rolling differ, it is as unforgiving as any of them:
+If rclpy differs from Humble to Rolling, the stand-in has the strictest behaviour:
 
-- `Executor.wake` only has the wait set be rebuilt: `spin_once` waits on to its end. A task ends it.
+- `Executor.wake` only requests a new wait set: `spin_once` waits on to its end. A task ends it.
 - Nodes of other contexts are known `Graph.discovery` seconds after they were made, and a publisher or subscription of a
   known node after `Graph.matching`. What is published before is lost. So is what comes after, for a best-effort
   subscription that does not know the publisher yet.
 - An interrupt, where a program called `rclpy.init()`, shuts down every context of the process (`Graph.interrupt`);
-  `fake_signals` has the handlers that do that.
-- What is asked of a context that was shut down, or of something that was destroyed, raises.
+  `fake_signals` has these handlers.
+- Calls on a context that was shut down, or on a destroyed object, raise.
 - A message that cannot be taken leaves its callback group waiting for the end of a callback that never began.
 """
 
@@ -44,7 +44,7 @@ class RCLError(RuntimeError):
 
 
 class InvalidHandle(Exception):  # noqa: N818
-    """What is asked of something that was destroyed."""
+    """Raised by calls on a destroyed object."""
 
     def __init__(self) -> None:
         super().__init__("cannot use Destroyable because destruction was requested")
@@ -60,7 +60,7 @@ class InvalidTopicNameException(NameValidationException):
 
 
 class ExternalShutdownException(Exception):  # noqa: N818
-    """It says nothing."""
+    """It has no message."""
 
 
 class UnsupportedEventTypeError(Exception):
@@ -167,7 +167,7 @@ class Context:
     shutdown = try_shutdown
 
     def interrupt(self) -> None:
-        """What the signal handler does. It wakes executors just before: they wait on, unless they are late."""
+        """Act as the signal handler. It wakes executors just before: they wait on, unless they are late."""
         self._state = "down"
 
 
@@ -235,7 +235,7 @@ class SingleThreadedExecutor:
         self._guard.set()
 
     def wake(self) -> None:
-        """Have the wait set be rebuilt."""
+        """Request that the wait set is rebuilt."""
         if self._guard is not None:
             self._guard.set()
 
@@ -266,7 +266,7 @@ class SingleThreadedExecutor:
                 return
 
     def _wait(self, guard: threading.Event, until: float) -> Subscription | Event | None:
-        """Wait for what is there now, and for the guard condition."""
+        """Wait for the entities of this moment, and for the guard condition."""
         if not self.context.ok():
             raise RCLError(f"failed to initialize wait set: {INVALID}")
         entities = [entity for node in self.get_nodes() for entity in node.entities() if entity.can_execute()]
@@ -292,7 +292,7 @@ class SingleThreadedExecutor:
 
 
 class Entity:
-    """What an executor waits for. While it is taken, and for ever where that fails, it is not waited for."""
+    """An entity that an executor waits for, except while it is taken, and for ever if that fails."""
 
     node: Node
     callback_group: Any
@@ -321,7 +321,7 @@ class Entity:
 
 
 class Event(Entity):
-    """Somebody was found whose quality of service is incompatible with that of an endpoint."""
+    """Report an endpoint found whose quality of service is incompatible with this one."""
 
     def __init__(self, endpoint: Endpoint, callback: Any, callback_group: Any) -> None:
         signature(callback).bind(object())
@@ -342,7 +342,7 @@ class Event(Entity):
 
 
 class Lost(Entity):
-    """Messages did not come over the network."""
+    """Report messages lost on the network."""
 
     def __init__(self, callback: Any, callback_group: Any) -> None:
         signature(callback).bind(object())
@@ -377,11 +377,11 @@ class Endpoint:
         return [other for other in self.found() if self.refusal(other) is None]
 
     def others(self) -> list[Any]:
-        """Those on the other side of the topic that know, and are known."""
+        """The endpoints on the other side of the topic that know this one, and are known to it."""
         return [other for other in self.found() if other.node.knows(self)]
 
     def found(self) -> list[Any]:
-        """Those on the other side of the topic that are known."""
+        """The endpoints on the other side of the topic that are known."""
         publishes = isinstance(self, Publisher)
         return [
             other
@@ -438,7 +438,7 @@ class Subscription(Endpoint, Entity):
 
 class Publisher(Endpoint):
     acked = 0
-    """How often it was asked whether all was received."""
+    """The number of checks that all was received."""
 
     def publish(self, message: Any) -> None:
         self._check()
@@ -496,7 +496,7 @@ class Node:
         return [*(event for endpoint in endpoints for event in endpoint.event_handlers), *self.subscriptions]
 
     def knows(self, endpoint: Endpoint) -> bool:
-        """Whether it has discovered somebody: at once within a context, after a while in another one."""
+        """True if it has discovered the other: at once within a context, after a delay in another one."""
         other = endpoint.node.context
         if other is self.context:
             return True
@@ -540,7 +540,7 @@ class Node:
         self, msg_type: Any, topic: str, qos_profile: Any, *, event_callbacks: Any = None
     ) -> Publisher:
         qos_profile = self._begin(msg_type, topic, qos_profile)
-        if event_callbacks is not None:  # ours, not the test's
+        if event_callbacks is not None:  # our context, not the test's
             assert not event_callbacks.use_default_callbacks, "it would log"
         events = event_callbacks or PublisherEventCallbacks()
         made = Publisher(self, msg_type, topic, qos_profile, self.default_callback_group, events)
@@ -586,7 +586,7 @@ class Node:
 
     def _begin(self, msg_type: Any, topic: str, qos: Any) -> QoSProfile:
         self._check()
-        if self.context in self.graph.contexts:  # ours; others may be DDS programs without ROS
+        if self.context in self.graph.contexts:  # our node; others may be DDS programs without ROS
             validate_topic_name(topic)
         if msg_type.name in self.graph.broken and self.context in self.graph.contexts:
             raise AttributeError(f"no type support\nof {msg_type.name}")
@@ -604,35 +604,35 @@ class Node:
 
 
 class Graph:
-    """All nodes, and what is known of rclpy from without."""
+    """All nodes, and the state of rclpy as seen from outside."""
 
     def __init__(self, domain_id: int = 7) -> None:
         self.domain_id = domain_id
         self.nodes: list[Node] = []
         self.contexts: list[Context] = []
-        """Those of the product."""
+        """The nodes of the product."""
         self.discovery, self.matching = 0.05, 0.03
         self.tells_refusals = True
         self.broken: set[str] = set()
-        """Types whose package is half installed."""
+        """Types with an incomplete package."""
         self.warnings: list[str] = []
-        """What rcl logs."""
+        """Messages that rcl logs."""
         self.published_by: list[str] = []
         """The names of the threads that published."""
 
     def node(self, name: str = "robot", namespace: str = "/") -> Node:
-        """A node of somebody else's, in a context of its own."""
+        """A node of another program, in its own context."""
         context = Context()
         context.init([], domain_id=self.domain_id)
         return Node(self, context, name, namespace)
 
     def interrupt(self) -> None:
-        """Do what rclpy's signal handler does."""
+        """Act as rclpy's signal handler."""
         for context in [*self.contexts, *{node.context for node in self.nodes}]:
             context.interrupt()
 
     def changed(self) -> None:
-        """Have all executors look at what there is."""
+        """Make all executors check their work."""
         for node in list(self.nodes):
             if node.executor is not None:
                 node.executor.wake()
@@ -644,7 +644,7 @@ class Graph:
 
 
 def _blank(name: str) -> Any:
-    """A message of a type, with 0, empty texts and empty arrays in its fields."""
+    """A message of a type, with zeros, empty texts and empty arrays in its fields."""
     return STORE.types[name](**{field: _blank_field(kind, what) for field, (kind, what) in STORE.fielddefs[name][1]})
 
 
@@ -670,7 +670,7 @@ def get_message(name: str) -> Any:
 
 
 def install(monkeypatch: pytest.MonkeyPatch, *, events: str = "event_handler") -> Graph:
-    """Put it in the place of rclpy, and give its graph. Before Iron, events were in `qos_event`."""
+    """Replace rclpy by the stand-in, and yield its graph. Before Iron, events were in `qos_event`."""
     graph = Graph()
 
     program = Context()

@@ -1,8 +1,8 @@
-"""The signal handlers of rclpy, as its C code has them.
+"""The signal handlers of rclpy, as in its C code.
 
-`rclpy.init()` sets handlers of SIGINT and SIGTERM. They call the handler of before, unless that is the default, and
-shut down every context of the process; they end nothing. Python does not know of them: `signal.getsignal` gives the
-handler of before. Where a program sets its own one later, theirs is gone, but they are called installed nevertheless.
+`rclpy.init()` sets handlers of SIGINT and SIGTERM. They call the previous handler, unless it is the default, and
+shut down every context of the process; they do not end it. Python does not know them: `signal.getsignal` returns the
+previous handler. If a program sets its own later, it replaces theirs, but rclpy still reports them as installed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _NUMBERS = {SignalHandlerOptions.SIGINT: signal.SIGINT, SignalHandlerOptions.SIG
 
 
 class Signals:
-    """The module `rclpy.signals`; `shut_down` ends every context of the process."""
+    """Return the module `rclpy.signals`; `shut_down` ends every context of the process."""
 
     def __init__(self, shut_down: Callable[[], None], monkeypatch: pytest.MonkeyPatch) -> None:
         self._shut_down = shut_down

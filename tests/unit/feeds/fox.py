@@ -47,7 +47,7 @@ def channel(number: int, topic: str = "/scan", kind: str = SCAN, **more: Any) ->
 
 @contextmanager
 def serving(types: Mapping[str, str]) -> Iterator[tuple[str, Callable[[str, Any], None]]]:
-    """A server with topics of these types: its address, and what publishes the fields of a message on one of them."""
+    """Yield the address of a server with topics of these types, and a function that publishes fields on one of them."""
     context = foxglove.Context()
     server = foxglove.start_server(host="127.0.0.1", port=0, context=context)
     channels = {
@@ -67,7 +67,7 @@ def serving(types: Mapping[str, str]) -> Iterator[tuple[str, Callable[[str, Any]
 
 
 class OldFoxglove(Server):
-    """A server of foxglove.websocket.v1, as bridges before the SDK are."""
+    """A server of foxglove.websocket.v1, like bridges before the SDK."""
 
     subprotocols = ("foxglove.websocket.v1",)
 
@@ -91,5 +91,5 @@ class OldFoxglove(Server):
             self.subscribed = {c: s for c, s in self.subscribed.items() if s not in gone}
 
     def log(self, channel_id: int, payload: bytes) -> None:
-        """Send a message to whoever subscribed to a channel."""
+        """Send a message to all subscribers of a channel."""
         self.send(struct.pack("<BIQ", 1, self.subscribed[channel_id], 0) + payload)

@@ -24,7 +24,7 @@ ANEW = "feed.close()\nfeed = feeds.simulator(hz=20, wander=False)"
 
 
 class Log:
-    """When which linear and angular speeds reached a robot, by the monotonic clock of the machine.
+    """The times at which linear and angular speeds reached a robot, by the monotonic clock of the machine.
 
     Tests poll it while they time the robot: only what is new is read.
     """
@@ -45,12 +45,12 @@ class Log:
         return self._heard
 
     def forget(self) -> None:
-        """Leave out what was heard up to now."""
+        """Skip the commands up to now."""
         self.heard().clear()
 
 
 class Kernel:
-    """A kernel that runs cells as a notebook does, and the commands that its robot heard.
+    """A kernel that runs cells as a notebook does, and the commands of its robot.
 
     Args:
         path: the log of the robot.
@@ -67,12 +67,12 @@ class Kernel:
         assert self.run("open", before + OPEN.format(path=str(path)))["status"] == "ok"
 
     def open_anew(self) -> None:
-        """Open another robot, which has heard nothing yet."""
+        """Open another robot, without commands so far."""
         assert self.run("open", ANEW)["status"] == "ok"
         self._log.forget()
 
     def start(self, cell: str, code: str) -> str:
-        """Run a cell without waiting for it. An error in it does not abort the next one, should that come at once."""
+        """Run a cell without waiting for it. An error in it does not abort the next one, even if that comes at once."""
         message = self._client.session.msg(
             "execute_request", {"code": code, "silent": False}, metadata={"cellId": cell}
         )
@@ -81,7 +81,7 @@ class Kernel:
         return str(message["header"]["msg_id"])
 
     def end_of(self, request: str) -> dict[str, Any]:
-        """The reply to a cell, when it has ended."""
+        """Wait for the end of a cell, and return the reply."""
         while True:
             reply = self._client.get_shell_msg(timeout=240)
             if reply["parent_header"].get("msg_id") == request:
@@ -93,7 +93,7 @@ class Kernel:
         return self.end_of(self.start(cell, code))
 
     def printed(self, cell: str, code: str) -> str:
-        """Run a cell to its end; returns what it printed."""
+        """Run a cell to its end; return its printed text."""
         request, printed = self.start(cell, code), ""
         while True:
             message = self._client.get_iopub_msg(timeout=240)
@@ -106,7 +106,7 @@ class Kernel:
                 return printed
 
     def debug(self, command: str, **arguments: Any) -> dict[str, Any]:
-        """Request something of the kernel's debugger, as JupyterLab does; returns its reply."""
+        """Send a request to the kernel's debugger, as JupyterLab does; return its reply."""
         request = self._client.session.msg("debug_request", {"type": "request", "command": command, "seq": 1})
         request["content"]["arguments"] = arguments
         self._client.control_channel.send(request)
@@ -116,7 +116,7 @@ class Kernel:
 
     @property
     def heard(self) -> list[tuple[float, float, float]]:
-        """When which speeds reached the robot, by the monotonic clock of the machine."""
+        """The speeds that reached the robot, with their times by the monotonic clock of the machine."""
         return self._log.heard()
 
     def heard_since(self, since: float) -> list[float]:

@@ -1,4 +1,4 @@
-"""A middleware without a robot: a test says what happens when, and sees what was asked for."""
+"""A middleware without a robot: a test scripts its events, and sees its requests."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ IMU = Advert("/imu", "sensor_msgs/msg/Imu", wanted=False)
 
 
 class Scripted:
-    """Its `listener` is what a test talks to, as an adapter would.
+    """A test talks to its `listener`, as an adapter would.
 
     While it is ``deaf``, what is published is lost; while it is not ``reachable``, publishing fails.
     """
@@ -61,18 +61,18 @@ class Scripted:
         self.closed += 1
 
     def connect(self) -> None:
-        """Be reached, for the first time or again."""
+        """Connect, for the first time or again."""
         self.reachable = True
         self.listener.on_connected()
 
     def lose(self, why: str = "no route to host") -> None:
-        """Be lost."""
+        """Lose the connection."""
         self.reachable = False
         self.listener.on_lost(why, 1.0)
 
     @property
     def speeds(self) -> list[tuple[float, float]]:
-        """Linear x and angular z of the speeds that were published."""
+        """Linear x and angular z of the published speeds."""
         twists = [message.get("twist", message) for _, _, message in self.sent]
         return [(twist["linear"]["x"], twist["angular"]["z"]) for twist in twists]
 

@@ -1,4 +1,4 @@
-"""Websocket servers that say what a test wants them to."""
+"""Websocket servers that send what a test wants."""
 
 from __future__ import annotations
 
@@ -45,16 +45,16 @@ class Server:
         self._thread.join()
 
     def on_open(self, client: WebSocketHandler) -> None:
-        """Greet a client; in the server's thread, like the next."""
+        """Greet a client, in the server's thread, like the next methods."""
 
     def on_said(self, client: WebSocketHandler, said: Any) -> None:
         """Answer a client."""
 
     def on_close(self, client: WebSocketHandler) -> None:
-        """Learn that the connection to a client ended."""
+        """Note that the connection to a client ended."""
 
     def stall(self) -> Callable[[], None]:
-        """Read and answer nothing, until what is returned is called; the network takes what is sent all the same."""
+        """Read and answer nothing until the returned function is called; the network still accepts data."""
         stalled, go_on = threading.Event(), threading.Event()
         self._loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(120)))
         assert stalled.wait(120)
@@ -72,7 +72,7 @@ class Server:
         assert ready.wait(120)
 
     def send(self, said: Any) -> None:
-        """Say something to every client, from any thread: bytes and text as they are, all else as JSON."""
+        """Send something to every client, from any thread: bytes and text as they are, everything else as JSON."""
         self._loop.call_soon_threadsafe(lambda: [self.tell(client, said) for client in list(self.clients)])
 
     def tell(self, client: WebSocketHandler, said: Any) -> None:
@@ -83,7 +83,7 @@ class Server:
             self.clients.remove(client)
 
     def drop(self) -> None:
-        """End every connection without a word, from any thread."""
+        """Drop every connection without a closing handshake, from any thread."""
         self._loop.call_soon_threadsafe(lambda: [client.ws_connection.stream.close() for client in self.clients])
 
     def heard_op(self, op: str) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Pauses between attempts, and what a session may raise."""
+"""Pauses between attempts, and the errors that a session may raise."""
 
 import pytest
 
@@ -23,7 +23,7 @@ def test_the_first_pause_is_short_again_once_it_worked():
 
 
 class Failing(ThreadedMiddleware):
-    """Its first session raises what no middleware expects."""
+    """Its first session raises an unexpected error."""
 
     sessions = 0
 

@@ -1,4 +1,4 @@
-"""`update` of a widget as the callback of somebody else's subscription, with no feed."""
+"""`update` of a widget as the callback of a subscription in the user's own node, without a feed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The camera of a running robot: what lies over its picture, and what it sees as a laser, over two middlewares."""
+"""The camera of a running robot: overlays on its picture, and its depth image as a laser, over two middlewares."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Robot = tuple[Feed, Publish]
 
 IMAGE, DEPTH = "/camera/image_raw", "/camera/depth/image_rect_raw"
 CLOUD = "/points"
-DOMAIN = 90 + os.getpid() % 60  # several test runs on a machine do not hear each other
+DOMAIN = 90 + os.getpid() % 60  # several test runs on one machine must not hear each other
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def types(simulated: Any) -> dict[str, str]:
 
 @pytest.fixture(params=["foxglove", "dds"])
 def robot(request: pytest.FixtureRequest, types: dict[str, str]) -> Iterator[Robot]:
-    """A feed of a robot with a camera, and what publishes the fields of a message on one of its topics."""
+    """Yield a feed of a robot with a camera, and a function that publishes fields on one of its topics."""
     if request.param == "foxglove":
         with serving(types) as (address, publish), feeds.foxglove(address) as feed:
             yield feed, publish
@@ -100,7 +100,7 @@ def test_its_laser_and_its_sonar_lie_on_its_picture_by_themselves_once_tf_joins_
 
     wait_for(all_of_it, "all of it is there")
     assert told["laser"] == laser.model_id
-    # The camera sees each reading as far away as the laser says, but for those at an edge.
+    # The camera sees each reading at the distance of the laser, except at an edge.
     seen = image.seen
     rays = np.flatnonzero(np.isfinite(seen.pixels).all(axis=1))
     columns, rows = np.round(seen.pixels[rays]).astype(int).T
@@ -111,7 +111,7 @@ def test_its_laser_and_its_sonar_lie_on_its_picture_by_themselves_once_tf_joins_
     wait_for(lambda: "near" in [one["name"] for one in over().get("drawn", ())], "a sector is on the picture")
     image.overlay = False
     left = feed.connection._table.by_topic.keys()
-    assert left - {"/tf"} == {IMAGE, "/scan"}, "besides tf, by which angles of the laser are the robot's"
+    assert left - {"/tf"} == {IMAGE, "/scan"}, "besides tf, which relates the angles of the laser to the robot"
 
 
 def test_its_depth_image_and_its_cloud_are_lasers_where_that_is_asked_for(robot: Robot, simulated: Any) -> None:

@@ -46,7 +46,7 @@ from . import dds_robot
 from .bursts import EVERY, record_bursts
 from .ears import Ears
 
-# Several test runs on a machine do not hear each other. From domain 102 on, others on Linux may have taken the ports.
+# Test runs on one machine must not hear each other. From domain 102 on, other programs on Linux may use the ports.
 DOMAIN = 60 + os.getpid() % 42
 SCAN = "sensor_msgs/msg/LaserScan"
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
@@ -80,14 +80,14 @@ class Robot:
         return not self._told.empty()
 
     def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
-        """Let it tell what it hears on a topic from now on."""
+        """Make it report the messages of a topic from now on."""
         self.do("hear", topic, kind, reliable)
         assert self.heard() == "ready"
 
     def freeze(self) -> None:
-        """Let it do nothing any more, without a word to anybody."""
+        """Stop the process without any notice to others."""
         self._process.send_signal(signal.SIGSTOP)
-        # Its threads stop one after the other; the last might confirm what came meanwhile.
+        # Its threads stop one after the other; the last might confirm messages that come meanwhile.
         os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOWAIT)
 
     def kill(self) -> None:
@@ -105,7 +105,7 @@ class Robot:
 
 @pytest.fixture
 def start() -> Iterator[Callable[..., Robot]]:
-    """Starts robots, which end with the test, also with one that fails."""
+    """Starts robots, which end with the test, also if it fails."""
     robots: list[Robot] = []
 
     def start_one(lease: str = "10s") -> Robot:
@@ -151,12 +151,12 @@ def publish_until(robot: Robot, condition: Any, what: str, *message: Any, second
 
 
 def memory() -> int:
-    """Bytes that this process holds."""
+    """The memory of this process, in bytes."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
 
 
 def udp_addresses() -> set[tuple[str, int]]:
-    """Addresses and ports of the UDP sockets that this process has."""
+    """Addresses and ports of the UDP sockets of this process."""
     links = [os.path.realpath(f"/proc/self/fd/{number}") for number in os.listdir("/proc/self/fd")]
     own = {link.partition("socket:[")[2].rstrip("]") for link in links if "socket:[" in link}
     rows = [line.split() for line in Path("/proc/net/udp").read_text().splitlines()[1:]]
@@ -217,7 +217,7 @@ def test_events_that_come_at_once_all_come(dds: Dds, heard: Ears, robot: Robot) 
     go_on.set()
 
     def bumps() -> list[float]:
-        # One that was published before may come late.
+        # One published before may come late.
         return [message.linear.x for topic, message in heard.messages if topic == "/bump" and message.linear.x]
 
     wait_for(lambda: len(bumps()) == 3, "all three came")
@@ -233,7 +233,7 @@ def test_a_topic_that_changes_its_type_is_heard_on(dds: Dds, heard: Ears, robot:
     )
 
 
-def test_a_latched_message_comes_to_those_who_come_late(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_latched_message_reaches_late_subscribers(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.do("latch", "/map_scan", "LaserScan", [4.0], 0.5)
     wait_for(lambda: heard.topics, "the topic is known")
     dds.follow(frozenset({"/map_scan"}))
@@ -241,7 +241,7 @@ def test_a_latched_message_comes_to_those_who_come_late(dds: Dds, heard: Ears, r
     assert list(heard.messages[0][1].ranges) == [4.0]
 
 
-def test_a_type_that_nobody_defines_is_named(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_an_undefined_type_is_named(dds: Dds, heard: Ears, robot: Robot) -> None:
     dds.follow(frozenset({"/riddle"}))
     publish_until(robot, lambda: heard.troubles, "it is said", "/riddle", "Mystery", "?")
     assert heard.words("/riddle") == (
@@ -261,7 +261,7 @@ def test_a_type_that_a_user_defines_is_heard(
     assert [message.text for _, message in heard.messages][-1] == "!"
 
 
-def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_type_with_other_fields_under_the_same_name_is_reported(dds: Dds, heard: Ears, robot: Robot) -> None:
     dds.follow(frozenset({"/scan"}))
     publish_until(robot, lambda: heard.troubles, "it is said", "/scan", "OtherScan", "no scan")
     assert heard.words("/scan") == (
@@ -270,8 +270,8 @@ def test_a_type_with_other_fields_under_the_same_name_is_told(dds: Dds, heard: E
     assert not heard.messages
 
 
-def test_a_truncated_message_is_told_until_a_whole_one_comes(heard: Ears) -> None:
-    # Cyclone DDS writes no such bytes: they come from others who do not describe their types, as ROS 2 up to Jazzy.
+def test_a_truncated_message_is_reported_until_a_whole_one_comes(heard: Ears) -> None:
+    # Cyclone DDS writes no such bytes: they come from publishers that do not describe their types, as ROS 2 to Jazzy.
     session = _dds_session.DdsSession(DOMAIN, heard)
     whole = encode("cdr", TWIST, {"linear": {"x": 0.5}})
     samples = [[opaque(TWIST)(whole[:-9])], [opaque(TWIST)(whole)]]
@@ -309,7 +309,7 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
     came = [(topic, len(message.data) if topic == "/image" else 0) for topic, message in heard.messages]
     assert came.index(("/image", 100_000_000)) > 10, "scans came while it was under way"
     heard.messages.clear()
-    # What was freed in small pieces may stay with the process: as much as one of them, but not two.
+    # Small freed pieces may stay with the process: as much as one message, but not two.
     wait_for(lambda: memory() < before + 150e6, "the memory is given back")
 
 
@@ -339,7 +339,7 @@ def test_publishing_without_a_connection_raises(dds: Dds, heard: Ears) -> None:
             unconnected.publish("/cmd_vel", TWIST, {})
 
 
-def test_a_message_that_dds_does_not_take_is_told(heard: Ears) -> None:
+def test_a_message_that_dds_does_not_take_is_reported(heard: Ears) -> None:
     session = _dds_session.DdsSession(DOMAIN, heard)
     raw = encode("cdr", TWIST, {})
     session.publish("/cmd_vel", TWIST, raw, is_zero=True)
@@ -353,7 +353,7 @@ def test_a_subscriber_that_does_not_keep_up_delays_nothing(dds: Dds, heard: Ears
     robot.hear("/cmd_vel", "TwistStamped")
     wait_for(lambda: heard.topics, "the topic is known")
     robot.freeze()
-    for _ in range(5):  # one that waited for it would be an error
+    for _ in range(5):  # a call that waited for it would be an error
         twist = {"linear": {"x": 0.25}}
         dds.publish("/cmd_vel", STAMPED, {"header": {"frame_id": "x" * 1_000_000}, "twist": twist})
 
@@ -415,7 +415,7 @@ def test_the_first_message_waits_for_a_subscriber_that_is_known_a_moment_later(
     publishing.join()
 
 
-def test_the_first_message_waits_for_a_moment_when_nobody_comes(heard: Ears) -> None:
+def test_the_first_message_waits_a_moment_if_no_subscriber_comes(heard: Ears) -> None:
     clock, reads = ManualClock(), ("robowidgets-dds",)
     with closing(Dds(DOMAIN, interface="lo", clock=clock)) as dds:
         dds.open(heard)
@@ -434,7 +434,7 @@ def test_subscribers_of_two_types_match_before_the_first_message(
     other.hear("/of_two_types", "TwistStamped", False)
     wait_for(lambda: [one.name for one in heard.topics or ()].count("/of_two_types") == 2, "both are known")
     dds.publish("/of_two_types", TWIST, {"linear": {"x": 0.25}})
-    monkeypatch.setattr(_dds_session, "_SETTLING", 1000.0)  # what waits from now on, waits for too long
+    monkeypatch.setattr(_dds_session, "_SETTLING", 1000.0)  # messages that wait from now on wait too long
     dds.publish("/of_two_types", STAMPED, {"twist": {"linear": {"x": 0.25}}})
     assert other.heard()["twist"]["linear"]["x"] == 0.25
 
@@ -451,7 +451,7 @@ def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
         wait_for(
             lambda: Advert("/retyped", STAMPED, False, True, (), ()) in feed.connection.adverts, "the other is known"
         )
-        for wait in ("_MATCHING", "_SETTLING"):  # what waits from now on, waits for too long
+        for wait in ("_MATCHING", "_SETTLING"):  # messages that wait from now on wait too long
             monkeypatch.setattr(_dds_session, wait, 1000.0)
         feed.drive(0.25)
         feed.stop()
@@ -475,7 +475,7 @@ def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Robot) -> None:
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": number}})
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
         dds.close()
-        while robot.heard()["linear"]["x"]:  # zero may take the place of the speed before it
+        while robot.heard()["linear"]["x"]:  # zero may replace the speed before it
             pass
 
 
@@ -523,7 +523,7 @@ def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     again = start()
     again.do("hear", "/cmd_vel", "Twist", reliable)
-    told = [again.heard(), again.heard()]  # zero may come before it says that it is ready
+    told = [again.heard(), again.heard()]  # zero may come before it reports that it is ready
     told.remove("ready")
     assert told[0]["linear"]["x"] == 0.0
 
@@ -558,11 +558,11 @@ def test_closing_does_not_wait_for_long_for_a_message_that_is_handed_on(
     dds.follow(frozenset({"/scan"}))
     publish_until(robot, held.is_set, "it is busy", "/scan", "LaserScan", [1.0], 0.5)
     dds.close()
-    assert not go_on.is_set(), "closed before the message was handed on"
+    assert not go_on.is_set(), "closed before the message was delivered"
     go_on.set()
 
 
-def test_a_subscriber_that_does_not_hear_what_is_published_is_told_until_it_is_gone(
+def test_a_subscriber_that_does_not_hear_what_is_published_is_reported_until_it_is_gone(
     dds: Dds, heard: Ears, robot: Robot
 ) -> None:
     robot.do("want_kept", "/cmd_vel", "Twist")
@@ -637,7 +637,7 @@ def test_our_readers_say_the_hash_of_their_type_as_ros_expects(dds: Dds, heard: 
     assert robot.heard() == [f"{scan}reader=robowidgets;"]
 
 
-def test_a_publisher_is_told_by_the_name_of_its_node(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_publisher_is_reported_by_the_name_of_its_node(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.do("write", "/cmd_vel", "Twist", 0.0)
     robot.do("name", "/cmd_vel", "Twist", "/arena", "planner")
     named = Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/arena/planner",), subscribers=())
@@ -646,7 +646,9 @@ def test_a_publisher_is_told_by_the_name_of_its_node(dds: Dds, heard: Ears, robo
     wait_for(lambda: heard.topics == [], "it is gone")
 
 
-def test_a_node_is_told_with_what_it_publishes_and_what_it_subscribes_to(dds: Dds, heard: Ears, robot: Robot) -> None:
+def test_a_node_is_reported_with_what_it_publishes_and_what_it_subscribes_to(
+    dds: Dds, heard: Ears, robot: Robot
+) -> None:
     robot.do("want_kept", "/cmd_vel", "Twist")
     robot.do("write", "/odom", "String", "here")
     robot.do("name", "/odom", "String", "/", "base")
@@ -696,7 +698,7 @@ def test_on_loopback_it_sends_from_there_and_listens_everywhere(heard: Ears) -> 
     ours = udp_addresses() - before
     dds.close()
     assert {address for address, _ in ours} == {"0.0.0.0", "127.0.0.1"}
-    first = 7400 + 250 * DOMAIN  # as the documentation of the feed has it
+    first = 7400 + 250 * DOMAIN  # as in the documentation of the feed
     assert all(first <= port < first + 250 for address, port in ours if address == "0.0.0.0")
 
 
@@ -741,7 +743,7 @@ def test_twenty_opens_and_closes_leave_no_thread_no_socket_and_no_memory() -> No
     for _ in range(20):
         open_and_close()
     assert len(os.listdir("/proc/self/fd")) <= files
-    # One that was joined has done its work, but the system may not have ended it yet.
+    # A joined thread has done its work, but the system may not have ended it yet.
     wait_for(lambda: len(os.listdir("/proc/self/task")) <= threads, "every thread has ended")
     gc.collect()
     assert [ref for ref in there if ref() is not None] == []
@@ -771,7 +773,7 @@ def test_a_network_that_is_not_there_is_tried_again(heard: Ears) -> None:
     assert heard.pauses[1] > heard.pauses[0]
 
 
-def test_an_address_that_no_interface_has_is_told_with_the_interfaces_there_are(heard: Ears) -> None:
+def test_an_address_of_no_interface_is_reported_with_the_existing_interfaces(heard: Ears) -> None:
     dds = Dds(DOMAIN, interface="192.0.2.1")
     dds.open(heard)
     wait_for(lambda: heard.lost, "it is told")
@@ -782,7 +784,7 @@ def test_an_address_that_no_interface_has_is_told_with_the_interfaces_there_are(
 def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     heard: Ears, start: Callable[..., Robot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert _dds_session.ALONE + 0.5 < 2.0, "the longest wait for a change comes on top"
+    assert _dds_session.ALONE + 0.5 < 2.0, "plus the longest wait for a change"
     monkeypatch.setattr(_dds_session, "ALONE", 0.5)
     dds = Dds(DOMAIN, interface="lo")
     dds.open(heard)
@@ -793,7 +795,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
         f"{first} to {first + 249}? 'lo' reaches only this machine."
     )
     wait_for(lambda: heard.topics == [], "then the topics count as known")
-    robot = start(lease="1s")  # after which others miss it, not after Cyclone's ten seconds
+    robot = start(lease="1s")  # after which others drop it, not after Cyclone's ten seconds
     publish_until(robot, lambda: heard.topics, "the robot is found", "/scan", "LaserScan", [1.0], 0.5)
     assert heard.nobody == ""
     robot.kill()
@@ -821,7 +823,7 @@ def test_wrong_arguments_are_refused_by_name() -> None:
         Dds(interface=1)  # type: ignore[arg-type]
 
 
-def test_names_of_dds_are_those_of_ros() -> None:
+def test_names_of_dds_match_ros() -> None:
     assert (ros_topic("rt/a/scan"), ros_topic("rq/a/getRequest")) == ("/a/scan", "")
     assert ros_type("sensor_msgs::msg::dds_::LaserScan_") == SCAN
     assert ros_type("std_srvs::srv::dds_::Empty_Request_") == ""
@@ -854,7 +856,7 @@ def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(robot:
                 assert robot.heard()["linear"]["x"] == 0.25
                 if is_other:
                     wait_for(lambda: told in feed.drive_status, "it is told")
-                else:  # a writer that is made later is known later
+                else:  # a writer that is created later is discovered later
                     robot.do("write", "/after", "Twist", 0.5)
                     wait_for(lambda: any(topic.name == "/after" for topic in feed.topics), "a later one is known")
                     assert told not in feed.drive_status
@@ -876,7 +878,7 @@ def test_each_message_of_a_burst_is_recorded_or_counted(robot: Robot, tmp_path: 
 @pytest.mark.parametrize(
     ("publishers", "subscriptions"), [(["write"], [False, True]), (["best_effort", "write"], [False, False])]
 )
-def test_lost_packets_are_asked_for_again_by_who_records_if_each_publisher_can_repeat_them(
+def test_recording_requests_lost_packets_again_if_each_publisher_can_repeat_them(
     publishers: list[str],
     subscriptions: list[bool],
     dds: Dds,
@@ -922,7 +924,7 @@ def test_the_system_is_asked_for_room_for_what_comes_while_python_is_busy(
     with closing(Dds(DOMAIN + 1, interface=interface)) as dds:
         dds.open(heard)
         wait_for(lambda: heard.connected, "it is connected")
-        assert max(buffers()) == 2 * min(most, 16 * 2**20), "Linux counts twice what was asked for"
+        assert max(buffers()) == 2 * min(most, 16 * 2**20), "Linux counts twice the requested size"
     if interface is None:
         monkeypatch.setenv("CYCLONEDDS_URI", '<Internal><SocketReceiveBufferSize max="100kB"/></Internal>')
         gc.collect()
@@ -955,7 +957,7 @@ def test_what_does_not_fit_into_the_queue_is_counted(
         robot.do("burst", "/scan", "LaserScan", [2.0] * 50)
         assert robot.heard() == "written"
         go_on.set()
-        if full == "_DEEPEST":  # how many DDS itself replaced is not known
+        if full == "_DEEPEST":  # the number that DDS itself replaced is unknown
             wait_for(lambda: heard.missed["/scan"] >= 1, "it is told")
             return
         wait_for(lambda: heard.missed["/scan"] >= 30, "the rest is counted")

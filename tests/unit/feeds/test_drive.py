@@ -29,9 +29,9 @@ Driven = Callable[..., tuple[Feed, Scripted]]
 
 @pytest.fixture
 def driven(monkeypatch: pytest.MonkeyPatch) -> Iterator[Driven]:
-    """Opens feeds on a script, which wait for somebody who listens for a moment only, and closes them.
+    """Opens feeds on a script, with a short wait for subscribers, and closes them.
 
-    Their speeds hold for long where a test names no hold: a busy machine may send one late.
+    Their speeds hold long, unless a test names a hold: a busy machine may send one late.
     """
     monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
     there: list[Feed] = []
@@ -70,7 +70,7 @@ def test_a_speed_is_cut_to_the_limits(driven: Driven) -> None:
 
 
 @pytest.mark.parametrize("there", [CMD_VEL, STAMPED])
-def test_a_robot_that_moves_sideways_is_told_to_within_its_limit(driven: Driven, there: Advert) -> None:
+def test_a_robot_that_moves_sideways_gets_speeds_within_its_limit(driven: Driven, there: Advert) -> None:
     feed, script = driven(there, max_lateral=0.3, hold=60.0)
     for given, sent in ((0.07, 0.07), (-5.0, -0.3)):
         feed.drive(0.1, lateral=given)
@@ -119,7 +119,7 @@ def test_the_message_is_the_one_that_the_robot_listens_to(driven: Driven, there:
 
 
 def taking(script: Scripted, kind: str, error: Exception) -> Callable[..., None]:
-    """A `publish` of the script that takes this type only."""
+    """Return a `publish` of the script that takes this type only."""
     publish = script.publish
 
     def picky(topic: str, given: str, message: Mapping[str, Any]) -> None:
@@ -131,7 +131,7 @@ def taking(script: Scripted, kind: str, error: Exception) -> Callable[..., None]
 
 
 @pytest.mark.parametrize(("kind", "other"), [(CMD_VEL.type, STAMPED.type), (STAMPED.type, CMD_VEL.type)])
-def test_subscribers_of_both_types_get_each_speed_and_one_that_cannot_get_it_is_told(
+def test_subscribers_of_both_types_get_each_speed_and_one_that_cannot_get_it_is_reported(
     driven: Driven, monkeypatch: pytest.MonkeyPatch, kind: str, other: str
 ) -> None:
     feed, script = driven(CMD_VEL, STAMPED, hold=60.0)
@@ -151,7 +151,7 @@ def test_subscribers_of_both_types_get_each_speed_and_one_that_cannot_get_it_is_
             feed.stop()
 
 
-def test_zero_follows_for_both_types_where_one_may_have_arrived(
+def test_zero_follows_for_both_types_if_one_may_have_arrived(
     driven: Driven, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     feed, script = driven(CMD_VEL, STAMPED, hold=60.0, clock=clock)
@@ -170,7 +170,7 @@ def test_a_stamped_speed_does_not_carry_the_clock_of_this_machine(driven: Driven
     assert script.speeds[0] == (0.1, 0.2)
 
 
-def test_who_heard_a_speed_hears_its_end_whoever_listens_by_then(driven: Driven) -> None:
+def test_each_subscriber_of_a_speed_gets_its_end_even_if_others_came_since(driven: Driven) -> None:
     feed, script = driven(STAMPED, hold=60.0)
     feed.drive(0.3)
     script.listener.on_topics([CMD_VEL, STAMPED])
@@ -210,7 +210,7 @@ def test_another_topic_may_be_driven(driven: Driven) -> None:
     assert script.sent[0][0] == "/base/cmd_vel"
 
 
-def test_zero_follows_a_speed_that_nobody_renews(driven: Driven, clock: ManualClock) -> None:
+def test_zero_follows_a_speed_that_is_not_renewed(driven: Driven, clock: ManualClock) -> None:
     feed, script = driven(CMD_VEL, hold=0.5, clock=clock)
     feed.drive(0.3, 0.0)
     clock.advance(0.25)
@@ -251,7 +251,7 @@ def test_a_speed_that_could_not_be_sent_leaves_the_zero_that_was_owed(driven: Dr
 
 
 def refused(feed: Feed) -> bool:
-    """Whether a speed is refused: not where another one was sent just before, for it waits."""
+    """Return True if a speed is refused. Just after another one it is not: it waits."""
     try:
         feed.drive(0.2)
     except FeedError:
@@ -291,7 +291,7 @@ def test_closing_sends_zero_first_if_a_speed_still_holds(driven: Driven) -> None
         feed.drive(0.1)
 
 
-def test_driving_otherwise_stops_the_robot_first_where_it_was_driven(driven: Driven) -> None:
+def test_driving_by_other_settings_first_stops_the_robot_on_the_previous_topic(driven: Driven) -> None:
     feed, script = driven(CMD_VEL, hold=60.0)
     feed.drive(0.3)
     feed.driving = Driving(topic="/other")
@@ -399,11 +399,11 @@ def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(d
     script.deaf = False
     script.listener.on_connected()
     wait_for(lambda: len(script.sent) == 3, "zero is sent")
-    assert [topic for topic, _, _ in script.sent] == ["/cmd_vel", "/cmd_vel", "/other"], "first where it moves"
+    assert [topic for topic, _, _ in script.sent] == ["/cmd_vel", "/cmd_vel", "/other"], "first while it moves"
     assert set(script.speeds[1:]) == {(0.0, 0.0)}
 
 
-def test_stopping_waits_a_moment_for_the_robot_and_for_somebody_who_listens(
+def test_stopping_waits_a_moment_for_the_robot_and_for_a_subscriber(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 240.0)
@@ -496,7 +496,7 @@ def test_driving_waits_two_seconds_for_the_robot_and_no_longer(
 
 
 def words_of(feed: Feed) -> str:
-    """Why a speed is not sent; empty if it is."""
+    """Return the reason why a speed is not sent, or an empty text."""
     try:
         feed.drive(0.3)
     except FeedError as error:
@@ -507,7 +507,7 @@ def words_of(feed: Feed) -> str:
 def connects_after(
     attempts: int, script: Scripted, monkeypatch: pytest.MonkeyPatch, now: Callable[[], float] = time.monotonic
 ) -> list[float]:
-    """Have a subscriber connect only after so many attempts to publish; returns the times of all attempts."""
+    """Make a subscriber connect only after so many attempts to publish; return the times of all attempts."""
     publish, tried = script.publish, []
 
     def publish_later(topic: str, message_type: str, message: Mapping[str, Any]) -> None:
@@ -564,7 +564,7 @@ def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: py
     assert set(script.speeds) == {(0.0, 0.0)}
 
 
-def test_who_drives_on_after_the_computer_slept_is_refused_until_what_came_before_is_too_old(
+def test_driving_on_after_the_computer_slept_is_refused_until_older_requests_are_too_old(
     driven: Driven, clock: ManualClock
 ) -> None:
     feed, script = driven(CMD_VEL, clock=clock)
@@ -583,12 +583,12 @@ def test_who_drives_on_after_the_computer_slept_is_refused_until_what_came_befor
     feed.stop()
     clock.advance(SETTLE)
     clock.asleep += 3600.0
-    feed.drive(0.3)  # nobody drove before the sleep
+    feed.drive(0.3)  # no program drove before the sleep
     assert [speed for speed, _ in script.speeds if speed] == [0.2, 0.3]
 
 
 class Guarded(Scripted):
-    """A robot that is reached by a guard, which is about to start."""
+    """A robot that is reached through a guard that is about to start."""
 
     def __init__(self) -> None:
         super().__init__(CMD_VEL)
@@ -650,7 +650,7 @@ def test_a_zero_that_cannot_be_sent_is_logged(driven: Driven, caplog: pytest.Log
     wait_for(lambda: [record.message for record in caplog.records] == [text], "it is logged")
 
 
-def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_topic_without_a_subscriber_is_reported_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, _ = driven(SCAN)
     feed.drive(0.1)
     feed.drive(0.1)
@@ -658,14 +658,14 @@ def test_a_robot_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.L
     assert [r.message for r in caplog.records] == ["the script: /cmd_vel has no subscriber"]
 
 
-def test_a_stop_that_nobody_hears_is_told_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_stop_without_a_subscriber_is_reported_once(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, _ = driven(SCAN)
     feed.stop()
     feed.stop()
     assert [r.message for r in caplog.records] == ["the script: /cmd_vel has no subscriber"]
 
 
-def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
+def test_a_missing_subscriber_is_not_reported_while_nothing_is_connected(
     driven: Driven, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, script = driven(connected=False)
@@ -679,7 +679,7 @@ def test_that_nobody_listens_is_not_said_while_nothing_is_connected(
     assert feed.drive_status == "/cmd_vel has no subscriber"
 
 
-def test_where_no_robot_is_driving_and_stopping_say_what_to_compare(
+def test_driving_and_stopping_without_a_robot_report_what_to_compare(
     driven: Driven, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, script = driven()
@@ -705,7 +705,7 @@ TAKEN = (
 )
 
 
-def test_the_only_topic_of_speeds_that_is_heard_is_driven_and_that_is_said_once(
+def test_the_only_topic_of_speeds_with_a_subscriber_is_driven_and_that_is_reported_once(
     driven: Driven, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, script = driven(SCAN, ROBOT_1, ODOM, hold=60.0)
@@ -758,7 +758,7 @@ def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(drive
     assert script.sent[-1][0] == "/robot2/cmd_vel"
 
 
-def test_a_topic_that_was_set_stays_and_stopping_where_nobody_hears_it_says_who_is_heard(driven: Driven) -> None:
+def test_a_set_topic_stays_and_stopping_without_a_subscriber_names_the_subscribed_topics(driven: Driven) -> None:
     feed, script = driven(SCAN, ROBOT_1, topic="/cmd_vel")
     feed.drive(0.1)
     with pytest.raises(FeedError, match=f"cannot stop: /cmd_vel has no subscriber, unlike /robot1/cmd_vel{NAME_IT}"):
@@ -766,7 +766,7 @@ def test_a_topic_that_was_set_stays_and_stopping_where_nobody_hears_it_says_who_
     assert {topic for topic, _, _ in script.sent} == {"/cmd_vel"}
 
 
-def test_what_was_driven_once_is_driven_on_whoever_else_is_heard(driven: Driven) -> None:
+def test_a_driven_topic_is_driven_on_even_if_others_get_subscribers(driven: Driven) -> None:
     for first, other in ((CMD_VEL, ROBOT_1), (ROBOT_1, CMD_VEL)):
         feed, script = driven(SCAN, first, hold=60.0)
         feed.drive(0.1)
@@ -795,7 +795,7 @@ def test_no_topic_is_chosen_before_the_usual_one_had_time_to_be_found(
     assert {topic for topic, _, _ in script.sent} == {"/cmd_vel"}
 
 
-def test_a_bridge_that_does_not_tell_the_type_of_what_is_only_heard_is_driven_too(driven: Driven) -> None:
+def test_a_bridge_that_does_not_know_the_type_of_a_topic_with_subscribers_only_is_driven_too(driven: Driven) -> None:
     feed, script = driven(SCAN, ROBOT_1._replace(type=""), Advert("/gripper/command", "", False, True))
     feed.drive(0.1)
     assert script.sent[0][:2] == ("/robot1/cmd_vel", CMD_VEL.type)
@@ -814,7 +814,9 @@ def test_a_bridge_that_does_not_tell_the_type_of_what_is_only_heard_is_driven_to
         ((0.1 + 0.4 + 1e-12, 0), ""),
     ],
 )
-def test_a_speed_that_is_cut_is_told_until_one_is_not(driven: Driven, speed: tuple[float, float], words: str) -> None:
+def test_a_speed_that_is_cut_is_reported_until_one_is_not(
+    driven: Driven, speed: tuple[float, float], words: str
+) -> None:
     feed, _ = driven(CMD_VEL, hold=60.0)
     feed.drive(*speed)
     assert feed.drive_status == words
@@ -861,14 +863,14 @@ def _driving_threads() -> list[threading.Thread]:
     return [thread for thread in threading.enumerate() if thread.name == "robowidgets-drive"]
 
 
-def test_where_nobody_can_tell_who_listens_nothing_is_said(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
+def test_if_subscribers_are_unknown_nothing_is_reported(driven: Driven, caplog: pytest.LogCaptureFixture) -> None:
     feed, script = driven(SCAN._replace(wanted=None))
     feed.drive(0.1)
     assert (feed.drive_status, caplog.records) == ("", [])
     assert script.speeds == [(0.1, 0.0)]
 
 
-def test_a_hand_on_a_pad_outranks_a_program_which_is_told(driven: Driven) -> None:
+def test_a_hand_on_a_pad_outranks_a_program_which_gets_an_error(driven: Driven) -> None:
     feed, script = driven(CMD_VEL)
     feed.drive(0.3)
     feed.watchdog.take("press")
@@ -910,7 +912,7 @@ def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, mon
     feed.drive(0.2)
     wait_for(lambda: refused(feed), "the page is gone")
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "the robot stops")
-    feed.drive(0, 0)  # zero needs none
+    feed.drive(0, 0)  # zero needs no subscriber
     with pytest.raises(TypeError, match="needs_page: expected True or False, got 1"):
         Driving(needs_page=1)  # type: ignore[arg-type]
 
@@ -923,12 +925,12 @@ def test_a_robot_that_needs_a_page_is_not_driven_without_one(driven: Driven, mon
         ((), "another node publishes /cmd_vel, too"),
     ],
 )
-def test_who_else_publishes_speeds_is_named(driven: Driven, others: tuple[str, ...], words: str) -> None:
+def test_another_publisher_of_speeds_is_named(driven: Driven, others: tuple[str, ...], words: str) -> None:
     feed, _ = driven(CMD_VEL._replace(offered=True, publishers=others))
     assert feed.drive_status == words
 
 
-def test_who_does_not_hear_what_is_published_is_told_and_logged_once_and_again_when_it_does(
+def test_an_unreached_subscriber_is_reported_and_logged_once_and_again_when_it_is_reached(
     driven: Driven, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, script = driven(CMD_VEL)
@@ -942,7 +944,7 @@ def test_who_does_not_hear_what_is_published_is_told_and_logged_once_and_again_w
     assert feed.drive_status == ""
 
 
-def test_what_is_driven_is_shown_as_commanded_whoever_knows_the_topic(driven: Driven) -> None:
+def test_the_driven_topic_is_shown_as_commanded_if_it_is_unknown_too(driven: Driven) -> None:
     for there in ((ODOM, CMD_VEL), (ODOM,)):
         feed, _ = driven(*there, hold=60.0)
         speed = feed.show().widgets["/odom"]

@@ -1,4 +1,4 @@
-"""The events of a running robot: its topics, and what its program does."""
+"""The events of a running robot: its topics, and the actions of its program."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_what_its_program_does_is_listed_with_its_errors(robot: Feed) -> None:
         EventsWidget().follow("robot")
 
 
-def test_the_end_of_a_touch_that_nobody_tells_is_listed_in_its_time(robot: Feed) -> None:
+def test_the_end_of_a_touch_without_a_message_is_listed_at_its_time(robot: Feed) -> None:
     from robowidgets import Touch, TouchMode
 
     events = EventsWidget()

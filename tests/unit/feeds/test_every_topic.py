@@ -26,7 +26,7 @@ from ..recordings.test_fields import bits
 from ..waiting import wait_for
 
 FEW = 2
-DOMAIN = 160 + os.getpid() % 70  # several test runs on a machine do not hear each other
+DOMAIN = 160 + os.getpid() % 70  # several test runs on one machine must not hear each other
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def several_echoes() -> Sent:
 
 
 def picture() -> Sent:
-    """Of a camera, which no recording has."""
+    """The messages of a camera, which no recording has."""
     channel = Channel(0, "/camera/image_raw", "sensor_msgs/msg/Image", "cdr", "", 0)
     data = np.arange(18, dtype=np.uint8)
     raw = encode("cdr", channel.type, {"height": 2, "width": 3, "encoding": "rgb8", "step": 9, "data": data})
@@ -53,7 +53,7 @@ def picture() -> Sent:
 
 
 def assert_same(got: Any, expected: Any, name: str) -> None:
-    """Fail unless a message has all fields of another, of the same types, to the last bit."""
+    """Fail unless a message has all fields of another, with the same types, to the last bit."""
     if is_dataclass(expected):
         for field in fields(expected):
             if not field.name.startswith("_") and not field.name.isupper():  # constants
@@ -69,7 +69,7 @@ def assert_same(got: Any, expected: Any, name: str) -> None:
 
 
 def is_same(got: Any, expected: Any) -> bool:
-    """Whether they are the same message."""
+    """Return True if the messages are equal."""
     try:
         assert_same(got, expected, "")
     except (AssertionError, AttributeError):
@@ -91,14 +91,14 @@ def fitting(feed: Feed, one: Sent) -> SampleWidget:
 
 
 def is_empty(widget: Any) -> bool:
-    """Return True if a widget shows nothing. Of two recordings the pictures are no pictures, and the widget says so."""
+    """Return True if a widget shows nothing. The images of two recordings are invalid, and the widget reports that."""
     if isinstance(widget, PlotWidget):
         return not any(len(widget[name][1]) for name in widget.names)
     return widget._newest.sample is None and not widget._newest.about.get("error", "").startswith("the picture is")
 
 
 def assert_shown(feed: Feed, sent: Sequence[Sent], send: Callable[[int], object]) -> None:
-    """Fail unless what is sent is shown by a widget that fits, and as a message that is that of rosbags."""
+    """Fail unless a fitting widget shows what is sent, and its message equals the one of rosbags."""
     wait_for(lambda: {topic.name for topic in feed.topics} >= {one.topic for one in sent}, "the topics are listed")
     as_messages = {one.topic: MessageWidget() for one in sent}
     for topic, widget in as_messages.items():
@@ -139,7 +139,7 @@ def test_over_foxglove_every_topic_of_the_recordings_is_shown_to_the_last_bit(se
     channels = [channel_of(one) for one in sent]
 
     def send(number: int) -> None:
-        """Again and again: the server does not tell when it has taken a subscription in."""
+        """Send repeatedly: the server does not report when it has registered a subscription."""
         for channel, one in zip(channels, sent, strict=True):
             channel.log(one.raw[min(number, len(one.raw) - 1)])
 
@@ -160,7 +160,7 @@ def test_over_dds_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: lis
     from robowidgets.feeds._dds_types import _definitions, dds_topic, struct, type_hash
 
     def known(one: Sent) -> Any:
-        """The type as a robot describes it to DDS; None unless its definition in the file is one that we have."""
+        """The type as a robot describes it to DDS, or None unless we have the definition in the file."""
         if one.channel.encoding != "cdr":
             return None
         own = type_hash(one.channel.type, one.channel.definition)
@@ -184,7 +184,7 @@ def test_over_dds_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: lis
     with feeds.dds(DOMAIN) as feed:
 
         def send(number: int) -> None:
-            """Each once: they are kept for who comes late."""
+            """Send each once: they are kept for late subscribers."""
             for writer, (one, kind) in zip(writers, there, strict=True):
                 if number not in done[one.topic]:
                     done[one.topic].add(number)

@@ -44,12 +44,12 @@ def opened() -> Iterator[Opened]:
 
 
 def source(widget: LaserWidget | SpeedWidget) -> dict[str, str]:
-    """What a widget says of its topic, without the random name of its robot."""
+    """The status of a widget, without the random name of its robot."""
     return {name: value for name, value in widget.get_state()["_source"].items() if name != "robot"}
 
 
 def in_a_thread(call: Callable[[], object]) -> None:
-    """As a middleware calls: what goes wrong there is not raised at a person."""
+    """Call as a middleware does: errors there do not reach the user."""
     thread = threading.Thread(target=call)
     thread.start()
     thread.join(120)
@@ -102,7 +102,7 @@ def test_a_topic_goes_to_any_number_of_widgets_and_functions(opened: Opened) -> 
     assert script.asked == [("subscribe", "/scan")]
 
 
-def test_a_widget_is_titled_after_the_topic_that_it_shows_now_unless_a_person_named_it(opened: Opened) -> None:
+def test_a_widget_is_titled_after_its_present_topic_unless_the_user_named_it(opened: Opened) -> None:
     feed, _ = opened(SCAN, SCAN._replace(name="/rear"), ODOM, CMD_VEL)
     laser, mine, speed = LaserWidget(), LaserWidget(title="mine"), SpeedWidget()
     feed.connect("/scan", laser, mine)
@@ -202,7 +202,7 @@ def test_once_a_topic_that_was_mended_delivers_the_widget_is_titled_after_it_and
     assert (speed.command_title, source(speed)["status"]) == ("/cmd_vel", "")
 
 
-def test_a_topic_that_is_misspelt_after_another_delivered_is_told(opened: Opened) -> None:
+def test_a_topic_that_is_misspelt_after_another_delivered_is_reported(opened: Opened) -> None:
     feed, script = opened(SCAN)
     laser = LaserWidget()
     feed.connect("/scan", laser)
@@ -301,7 +301,7 @@ def test_a_subscription_that_fails_does_not_block_the_next(opened: Opened, monke
     assert ("subscribe", "/scan") in script.asked
 
 
-# -- words on the widget -----------------------------------------------------------------------------------------------
+# -- messages on the widget --------------------------------------------------------------------------------------------
 
 
 def test_a_widget_says_what_it_waits_for_and_then_nothing(opened: Opened) -> None:
@@ -345,7 +345,7 @@ def test_a_widget_names_what_is_there_instead(opened: Opened, asked: str, there:
     assert source(laser)["status"] == words
 
 
-def test_a_publisher_that_ends_and_comes_back_is_told(opened: Opened) -> None:
+def test_a_publisher_that_ends_and_comes_back_is_reported(opened: Opened) -> None:
     feed, script = opened(SCAN)
     laser = LaserWidget()
     feed.connect("/scan", laser)
@@ -358,7 +358,7 @@ def test_a_publisher_that_ends_and_comes_back_is_told(opened: Opened) -> None:
     assert source(laser)["status"] == ""
 
 
-def test_a_topic_that_vanishes_with_its_publisher_is_told_as_one_that_nobody_publishes(opened: Opened) -> None:
+def test_a_topic_that_vanishes_with_its_publisher_is_reported_as_unpublished(opened: Opened) -> None:
     feed, script = opened(SCAN, ODOM)
     laser = LaserWidget()
     feed.connect("/scan", laser)
@@ -367,7 +367,7 @@ def test_a_topic_that_vanishes_with_its_publisher_is_told_as_one_that_nobody_pub
     assert source(laser)["status"] == "/scan has no publisher any more"
 
 
-def test_a_connection_that_is_lost_and_found_is_told(opened: Opened) -> None:
+def test_a_connection_that_is_lost_and_found_is_reported(opened: Opened) -> None:
     feed, script = opened(SCAN, connected=False)
     laser = LaserWidget()
     feed.connect("/scan", laser)
@@ -383,7 +383,7 @@ def test_a_connection_that_is_lost_and_found_is_told(opened: Opened) -> None:
     assert laser.scan is not None
 
 
-def test_trouble_of_the_middleware_is_told_until_it_is_over(opened: Opened) -> None:
+def test_trouble_of_the_middleware_is_reported_until_it_is_over(opened: Opened) -> None:
     feed, script = opened(SCAN)
     laser = LaserWidget()
     feed.connect("/scan", laser)
@@ -398,7 +398,7 @@ def test_trouble_of_the_middleware_is_told_until_it_is_over(opened: Opened) -> N
     script.listener.on_trouble("/other", "nobody is connected to it")
 
 
-def test_a_topic_that_changes_its_type_is_told_and_goes_on(opened: Opened) -> None:
+def test_a_topic_that_changes_its_type_is_reported_and_goes_on(opened: Opened) -> None:
     feed, script = opened(SCAN)
     laser = LaserWidget()
     feed.connect("/scan", laser)
@@ -411,7 +411,7 @@ def test_a_topic_that_changes_its_type_is_told_and_goes_on(opened: Opened) -> No
     assert source(laser)["status"] == "/scan is published as sensor_msgs/msg/LaserScan and as my_msgs/msg/Scan"
 
 
-def test_two_scanners_on_one_topic_are_told(opened: Opened) -> None:
+def test_two_scanners_on_one_topic_are_reported(opened: Opened) -> None:
     feed, script = opened(SCAN)
     laser = LaserWidget()
     feed.connect("/scan", laser)
@@ -535,7 +535,7 @@ def test_twenty_opens_and_closes_leave_no_thread_and_no_memory() -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
-def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_locks(opened: Opened) -> None:
+def test_a_forked_process_reports_that_the_feed_stayed_behind_whatever_locks_were_held(opened: Opened) -> None:
     feed, script = opened(SCAN, CMD_VEL)
     feed.driving = feeds.Driving(hold=60.0)
     feed.drive(0.1)
@@ -565,7 +565,7 @@ def test_a_forked_process_is_told_that_the_feed_stayed_behind_whoever_held_its_l
 
 @contextmanager
 def in_other_hands(lock: Any) -> Iterator[None]:
-    """While it lasts, another thread holds a lock."""
+    """Hold a lock in another thread meanwhile."""
     taken, done = threading.Event(), threading.Event()
 
     def hold() -> None:
@@ -582,7 +582,7 @@ def in_other_hands(lock: Any) -> Iterator[None]:
 
 
 @pytest.mark.slow
-def test_a_feed_that_nobody_closes_stops_the_robot_and_lets_the_process_end() -> None:
+def test_a_feed_that_is_not_closed_stops_the_robot_and_lets_the_process_end() -> None:
     program = (
         "from robowidgets import feeds\n"
         "from robowidgets.feeds.simulator import Simulated\n"

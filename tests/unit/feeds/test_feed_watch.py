@@ -1,4 +1,4 @@
-"""Conditions on all that a robot sends."""
+"""Conditions on all topics of a robot."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_a_function_takes_what_a_program_takes(feed: Feed, script: Scripted) -> 
         script.listener.on_message("/odom", odometry(x, y))
         wait_for(lambda x=x: far.sample is not None and far.sample.pose.x == x, "it was judged")
 
-    def it_is_far() -> bool:  # what it was may be old by now
+    def it_is_far() -> bool:  # the state of before may be old by now
         script.listener.on_message("/odom", odometry(6.2, 0.9))
         return far.value is True
 
@@ -83,7 +83,7 @@ def test_a_function_takes_what_a_program_takes(feed: Feed, script: Scripted) -> 
     script.listener.on_message("/imu", imu(13.0))
     assert hard.wait(120).imu == imu(13.0)
 
-    def both_come() -> bool:  # a moment attaches what is read of it when it is read first
+    def both_come() -> bool:  # a moment attaches a topic when it is first read
         script.listener.on_message("/imu", imu(13.0))
         script.listener.on_message("/odom", odometry(6.2, 0.9))
         return any_of.value is True
@@ -138,7 +138,7 @@ def test_what_the_simulator_sends_is_watched_too() -> None:
 
 
 class Reads:
-    """A condition that reads one topic, and another one when a test lets it."""
+    """A condition that reads one topic first, and another one when a test allows it."""
 
     def __init__(self) -> None:
         self.began, self.goes_on, self.is_over = threading.Event(), threading.Event(), threading.Event()
@@ -156,7 +156,7 @@ class Reads:
 def test_what_a_condition_reads_after_the_end_of_its_watch_is_subscribed_no_more(feed: Feed, script: Scripted) -> None:
     reads = Reads()
     feed.watch(reads, "reads")
-    while not reads.began.is_set():  # a moment attaches what is read of it when it is read first
+    while not reads.began.is_set():  # a moment attaches a topic when it is first read
         script.listener.on_message("/imu", imu(1.0))
     feed.unwatch("reads")
     reads.goes_on.set()

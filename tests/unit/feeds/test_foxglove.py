@@ -39,7 +39,7 @@ def ears() -> Ears:
 
 
 class Real:
-    """The server of foxglove-sdk, with a channel as foxglove_bridge offers it."""
+    """The server of foxglove-sdk, with a channel like foxglove_bridge offers."""
 
     def __init__(self, port: int = 0, **more: Any) -> None:
         self.context = foxglove.Context()
@@ -67,7 +67,7 @@ def opened(address: str, ears: Ears, *topics: str) -> Foxglove:
 
 
 def log_until(server: Real, ears: Ears, payload: bytes, topic: str = "/scan") -> Any:
-    """Log until a message of a topic comes: when the server has taken a subscription in, it does not tell."""
+    """Log until a message of a topic comes: the server does not report when it has registered a subscription."""
     before = len(ears.of(topic))
 
     def came() -> bool:
@@ -179,7 +179,7 @@ def test_a_server_without_topics_says_so(ears: Ears) -> None:
         middleware.close()
 
 
-def test_who_publishes_and_who_listens_is_told_without_counting_the_bridge(ears: Ears) -> None:
+def test_publishers_and_subscribers_are_reported_without_counting_the_bridge(ears: Ears) -> None:
     real = Real(capabilities=[Capability.ConnectionGraph])
     middleware = opened(real.address, ears)
     try:
@@ -229,7 +229,7 @@ def test_a_killed_robot_is_found_again_when_it_is_back(ears: Ears) -> None:
         robot.wait()
 
 
-def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ears) -> None:
+def test_a_refused_connection_is_reported_and_tried_again_ever_more_rarely(ears: Ears) -> None:
     address = f"ws://127.0.0.1:{free_port()}"
     middleware = opened(address, ears)
     wait_for(lambda: len(ears.lost) == 2, "it was tried twice")
@@ -242,7 +242,7 @@ def test_a_refused_connection_is_told_and_tried_again_ever_more_rarely(ears: Ear
     assert ears.connected == 0
 
 
-def test_a_truncated_message_is_told_until_a_whole_one_comes(real: Real, ears: Ears) -> None:
+def test_a_truncated_message_is_reported_until_a_whole_one_comes(real: Real, ears: Ears) -> None:
     middleware = opened(real.address, ears, "/scan")
     try:
         wait_for(lambda: real.scan.log(cdr()[:40]) or ears.troubles.get("/scan"), "the trouble was told")
@@ -283,7 +283,7 @@ def test_what_cannot_be_read_is_not_asked_for_and_named(offer: dict[str, str], w
         assert server.subscribed == {}
 
 
-def test_json_that_is_none_or_no_object_is_named(ears: Ears) -> None:
+def test_invalid_json_and_json_without_an_object_are_named(ears: Ears) -> None:
     with OldFoxglove([channel(1, encoding="json")]) as server:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
@@ -324,7 +324,7 @@ def test_two_publishers_on_one_topic_are_both_heard(ears: Ears) -> None:
     assert ears.topics == [Advert("/scan", SCAN)]
 
 
-def test_two_types_on_one_topic_are_told_as_two(ears: Ears) -> None:
+def test_two_types_on_one_topic_are_reported_as_two(ears: Ears) -> None:
     with OldFoxglove([channel(1), channel(2, kind=TWIST)]) as server:
         middleware = opened(server.address, ears)
         told = [Advert("/scan", SCAN), Advert("/scan", TWIST)]
@@ -372,7 +372,7 @@ def test_what_piled_up_is_not_read_but_the_newest(ears: Ears, monkeypatch: pytes
         wait_for(lambda: float(ears.messages[-1][1].ranges[0]) == 51.0, "the newest came")
         middleware.close()
     assert len(ears.messages) < 20
-    assert ears.came["/scan"] == 51, "those that were replaced are counted"
+    assert ears.came["/scan"] == 51, "replaced messages are counted"
 
 
 @pytest.mark.parametrize(
@@ -384,7 +384,7 @@ def test_what_piled_up_is_not_read_but_the_newest(ears: Ears, monkeypatch: pytes
         ("Failed to subscribe to /scan", False),
     ],
 )
-def test_a_publisher_that_the_bridge_cannot_make_is_told(text: str, is_told: bool, ears: Ears) -> None:
+def test_a_publisher_that_the_bridge_cannot_make_is_reported(text: str, is_told: bool, ears: Ears) -> None:
     info = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
     with OldFoxglove([channel(1)], **info) as server:
         middleware = opened(server.address, ears, "/scan")
@@ -482,7 +482,7 @@ def test_zero_follows_a_speed_that_is_sent_after_it_was_given_up(monkeypatch: py
 
     def slowly(self: Foxglove, key: tuple[str, str, str], payload: bytes, *, is_zero: bool) -> bytes:
         monkeypatch.setattr(Foxglove, "_frame_on", frame_on)
-        assert told.wait(120)  # as where a busy program leaves no time for it
+        assert told.wait(120)  # as when a busy program leaves no time for it
         return frame_on(self, key, payload, is_zero=is_zero)
 
     with (
@@ -579,7 +579,7 @@ def test_a_server_that_says_odd_things_is_heard_no_less(ears: Ears) -> None:
     assert f"{server.address} does not speak foxglove: it sent 'no JSON'" in ears.said
 
 
-def test_what_the_robot_says_of_a_topic_is_told_of_that_topic(ears: Ears) -> None:
+def test_a_message_of_the_robot_about_a_topic_is_reported_for_that_topic(ears: Ears) -> None:
     with OldFoxglove([channel(1), channel(2, "/scan_2")]) as server:
         middleware = opened(server.address, ears, "/scan", "/scan_2")
         wait_for(lambda: len(server.subscribed) == 2, "it subscribed")
@@ -602,7 +602,7 @@ def test_every_event_of_a_bumper_is_handed_on(ears: Ears) -> None:
     assert [message.bumper for message in ears.of("/bumper")] == 20 * [0, 1, 2]
 
 
-def test_a_rosbridge_at_the_port_is_told_with_the_feed_for_it(ears: Ears) -> None:
+def test_a_rosbridge_at_the_port_is_reported_with_the_feed_for_it(ears: Ears) -> None:
     for rosapi in (True, False):
         with Rosbridge({}, rosapi=rosapi) as server:
             middleware = Foxglove(server.address)

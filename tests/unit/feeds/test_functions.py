@@ -1,4 +1,4 @@
-"""Functions that are connected to topics: what they get, and what becomes of those that sleep, hang and raise."""
+"""Functions that are connected to topics: their arguments, and the handling of those that sleep, hang and raise."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Opened = Callable[..., tuple[Feed, Scripted]]
 
 @pytest.fixture
 def gate() -> Iterator[threading.Event]:
-    """What hangs waits for it; it opens at the end."""
+    """An event that hanging functions wait for; it is set at the end."""
     event = threading.Event()
     yield event
     event.set()
@@ -147,7 +147,7 @@ def test_a_function_that_hangs_holds_back_no_speed_no_zero_and_no_widget(opened:
     def behave(_scan: Scan) -> None:
         feed.drive(0.3)
         entered.set()
-        gate.wait()  # so that whatever waited for it would never end
+        gate.wait()  # so that a wait for it would never end
 
     feed.connect("/scan", behave, laser)
     script.listener.on_message("/scan", scan(1.0))
@@ -180,7 +180,7 @@ def test_a_widget_of_a_user_s_class_that_hangs_on_what_is_sent_holds_back_no_zer
     wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero follows")
     gate.set()
     wait_for(lambda: speed.commanded is not None and speed.commanded.linear[0] == 0.0, "it shows what was sent last")
-    assert told == [], "nobody else sends messages"
+    assert told == [], "no other node sends messages"
 
 
 def test_a_bump_and_turn_function_sends_each_of_its_speeds_while_it_sleeps(opened: Opened) -> None:
@@ -256,7 +256,7 @@ def test_the_log_has_the_traceback_of_a_function_that_raises_without_our_frames(
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, SystemExit])
-def test_an_error_names_the_function_and_its_line_and_is_told_until_it_comes_back_well(
+def test_an_error_names_the_function_and_its_line_and_is_reported_until_it_comes_back_well(
     opened: Opened, caplog: pytest.LogCaptureFixture, error: type[BaseException]
 ) -> None:
     feed, script = opened(SCAN)
@@ -395,7 +395,7 @@ def test_a_function_that_was_replaced_while_it_hung_drives_no_more_and_the_next_
     assert (0.5, 0.0) not in script.speeds
 
 
-def test_a_feed_that_was_opened_anew_says_which_functions_of_other_cells_it_dropped(
+def test_a_feed_that_was_reopened_says_which_functions_of_other_cells_it_dropped(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     cell = ["feed", "run 1"]
@@ -435,7 +435,7 @@ def test_the_age_of_a_sample_counts_while_it_waits_for_a_function(opened: Opened
 class TestScans:
     @pytest.fixture(autouse=True)
     def clock(self, monkeypatch: pytest.MonkeyPatch) -> Clock:
-        """The time at which scans come, and by which they grow old. Those who wait for none wait in real time."""
+        """The clock by which scans come and grow old. Waits for scans that do not come take real time."""
         made = Clock()
         for module in ("widget.newest_sample", "samples.age"):
             monkeypatch.setattr(f"robowidgets.{module}.time", made)
@@ -471,14 +471,14 @@ class TestScans:
         with pytest.raises(TimeoutError, match=r"^no scan of /scan for 0\.2 s$"):
             next(hasty)
 
-    def test_where_none_ever_came_it_says_why(self, opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_if_none_ever_came_the_error_has_the_reason(self, opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("robowidgets.feeds._scan_iterator.FIRST_TIMEOUT", 0.1)
         feed, _ = opened(SCAN)
         with pytest.raises(TimeoutError, match=r"no scan of /scna for 0.1 s: no such topic /scna; there are /scan"):
             next(feed.scans("/scna", timeout=0.1))
 
     @pytest.mark.parametrize("how", ["scans", "wait"])
-    def test_a_topic_that_is_not_there_is_told_while_it_is_awaited_and_may_come_late(
+    def test_a_missing_topic_is_reported_while_it_is_awaited_and_may_come_late(
         self, opened: Opened, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, how: str
     ) -> None:
         monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)

@@ -1,4 +1,4 @@
-"""The guard: what it does with what the kernel says, and when it says nothing."""
+"""The guard: its reactions to the kernel, and to the kernel's silence."""
 
 from __future__ import annotations
 
@@ -60,13 +60,13 @@ def test_messages_come_whole_however_their_bytes_come() -> None:
     ],
     ids=["checksum", "length", "name", "parts", "type", "flag", "text"],
 )
-def test_a_damaged_message_is_none(data: bytes) -> None:
+def test_a_damaged_message_is_not_a_message(data: bytes) -> None:
     with pytest.raises(DamagedError):
         list(Unpacker(TO_GUARD).take(data))
 
 
 class Guarded:
-    """A guard by a clock that is moved by hand, and what it told."""
+    """A guard by a clock that is moved by hand, and its reports."""
 
     def __init__(self) -> None:
         self.clock = ManualClock()
@@ -82,7 +82,7 @@ class Guarded:
         return [message["linear"]["x"] for _, _, message in self.robot.sent]
 
     def drive(self, hold: float = HOLD, **changed: Any) -> Any:
-        """Drive forward; what was told of it."""
+        """Drive forward; return the reports."""
         self._number += 1
         now = self.clock.now()
         asked = {"speed": FORWARD, "expires": now + hold, "sent_at": now + self.clock.slept(), "stops": self.stops}
@@ -92,7 +92,7 @@ class Guarded:
         return self.told[-1]
 
     def pass_time(self, seconds: float) -> None:
-        """Let time pass as the process does: it looks when it is due."""
+        """Advance the time as the process does: it checks when a check is due."""
         end = self.clock.now() + seconds
         while (left := end - self.clock.now()) > 0:
             self.clock.advance(min(left, self.guarding.look()))
@@ -130,7 +130,7 @@ def test_zero_comes_when_the_kernel_is_silent_and_not_before(guarded: Guarded) -
     assert guarded.speeds == [0.3, 0.0]
 
 
-def test_a_kernel_that_was_silent_is_told_for_how_long_and_must_know_it_before_it_drives_on(guarded: Guarded) -> None:
+def test_a_silent_kernel_is_told_the_duration_and_must_confirm_it_before_it_drives_on(guarded: Guarded) -> None:
     guarded.drive(hold=60.0)
     guarded.pass_time(10.0)
     assert guarded.drive(hold=60.0)[3:5] == ("FeedError", "the guard has stopped the robot meanwhile")
@@ -182,7 +182,7 @@ def test_a_speed_that_comes_too_late_is_not_sent(guarded: Guarded) -> None:
     assert guarded.speeds == []
 
 
-def test_a_robot_that_is_not_reached_yet_or_not_discovered_is_told() -> None:
+def test_a_robot_that_is_not_reached_yet_or_not_discovered_is_reported() -> None:
     guarded = Guarded()
     guarded.robot = Scripted(CMD_VEL._replace(wanted=False))
     guarded.guarding = Guarding(lambda *told: guarded.told.append(told), guarded.clock, lambda *_: guarded.robot)
@@ -236,7 +236,7 @@ def test_the_end_gives_up_a_robot_that_cannot_be_reached(guarded: Guarded) -> No
     assert guarded.robot.closed == 1
 
 
-def test_a_robot_that_takes_long_for_each_of_several_messages_is_told_as_slow(guarded: Guarded) -> None:
+def test_a_robot_that_takes_long_for_each_of_several_messages_is_reported_as_slow(guarded: Guarded) -> None:
     guarded.drive(hold=60.0)
     other = [["/cmd_vel", "geometry_msgs/msg/TwistStamped", False, True]]
     publish = guarded.robot.publish
@@ -258,7 +258,7 @@ def test_a_robot_that_takes_long_for_each_of_several_messages_is_told_as_slow(gu
 
 
 class Played:
-    """A guard that a test plays: what the kernel sends it, and what it says."""
+    """A guard that a test plays: the messages of the kernel, and its answers."""
 
     def __init__(self) -> None:
         self._ours, its = socket.socketpair()
@@ -272,7 +272,7 @@ class Played:
         wait_for(lambda: self.link.is_there, "it is ready")
 
     def hear(self, name: str) -> Sequence[Any]:
-        """Wait for a message of a name; its parts."""
+        """Wait for a message of a name; return its parts."""
         while True:
             while self._heard:
                 came, parts = self._heard.pop(0)
@@ -290,7 +290,7 @@ class Played:
         self.say("done", feed, number, kind, text, "", [])
 
     def asked(self, feed: int, velocity: Velocity) -> Future[Any]:
-        """Have a feed ask for a speed, in a thread of its own; what becomes of it."""
+        """Make a feed request a speed in its own thread; collect the result."""
         future: Future[Any] = Future()
 
         def send() -> None:
@@ -347,7 +347,7 @@ def test_a_guard_that_says_nothing_is_ended(played: Played, monkeypatch: pytest.
     wait_for(lambda: played.link.ends == 1, "it is ended")
 
 
-def test_a_feed_drives_beside_another_one_unless_its_first_speed_is_refused(played: Played) -> None:
+def test_a_feed_drives_at_the_same_time_as_another_unless_its_first_speed_is_refused(played: Played) -> None:
     for refused, drives in ((True, False), (False, True), (True, True)):
         asked = played.asked(1, Velocity(0.3))
         played.answer(played.hear("drive"), *(("FeedError", "/cmd_vel is no topic of speeds") if refused else ()))
@@ -371,7 +371,7 @@ def robot() -> Iterator[Rosbridge]:
 
 @pytest.fixture
 def with_guards() -> Iterator[ExitStack]:
-    """Closes the feeds that are opened, and waits for the end of their guards."""
+    """Closes the opened feeds, and waits for the end of their guards."""
     with ExitStack() as opened:
         yield opened
     wait_for(lambda: not threads_named("robowidgets-guard"), "no guard is left")
@@ -396,20 +396,20 @@ print("no room")
 sys.exit(3)
 """,
 )
-"""Starts a guard that ends as soon as it has said that it is ready."""
+"""Starts a guard that ends as soon as it has reported that it is ready."""
 
 
 def shown_by(feed: feeds.Feed) -> list[float]:
-    """The speeds that a widget of a feed is given."""
+    """The speeds that a widget of a feed gets."""
     shown: list[float] = []
     feed.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]))
-    # Until it is known that nobody else publishes them, they would come by the robot.
+    # Until it is known that no other node publishes them, they would come through the robot.
     wait_for(lambda: [one.offered for one in feed.connection.adverts] == [False], "the publishers are told")
     return shown
 
 
 def wait_for_speeds(robot: Rosbridge, *speeds: float) -> None:
-    """Wait until the robot has these speeds as its last ones; a zero may come again."""
+    """Wait until the last speeds of the robot are these; a zero may come again."""
     wait_for(lambda: tuple(_changes(robot)[-len(speeds) :]) == speeds, f"{speeds} come")
 
 
@@ -443,7 +443,7 @@ def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last_and_see_each_o
     told = ("another feed of this kernel drives the robot, too", "")
 
     def is_seen() -> bool:
-        if feed.drive_status:  # this process stood still for so long that the guard stopped the robot
+        if feed.drive_status:  # this process was paused for so long that the guard stopped the robot
             feed.stop()
         with suppress(FeedError):
             feed.drive(0.1)
@@ -460,7 +460,7 @@ def test_feeds_of_one_robot_share_a_guard_that_ends_with_the_last_and_see_each_o
 
 
 @pytest.mark.slow
-def test_a_guard_that_dies_is_told_the_kernel_sends_zero_and_another_one_drives(
+def test_a_guard_that_dies_is_reported_the_kernel_sends_zero_and_another_one_drives(
     robot: Rosbridge, with_guards: ExitStack, caplog: pytest.LogCaptureFixture
 ) -> None:
     feed, guard = opened(with_guards, robot)
@@ -511,7 +511,7 @@ def test_a_guard_that_stands_still_is_ended_and_the_kernel_sends_zero_which_othe
     pid = guard.pid
     os.kill(pid, signal.SIGSTOP)
     os.waitid(os.P_PID, pid, os.WSTOPPED | os.WNOWAIT)
-    with suppress(FeedError):  # "zero follows", where that takes more than a second
+    with suppress(FeedError):  # "zero follows", if it takes more than a second
         feed.stop()
     wait_for_speeds(robot, 0.3, 0.0)
     wait_for(lambda: shown[-1] == 0.0, "the other one shows zero")
@@ -601,7 +601,7 @@ def test_a_guard_imports_the_standard_library_whatever_lies_in_the_folder_of_the
 ) -> None:
     for name in ("types", "json", "selectors"):
         (tmp_path / f"{name}.py").write_text("raise RuntimeError('of the user')")
-    monkeypatch.syspath_prepend(tmp_path)  # as a host does that names the folder
+    monkeypatch.syspath_prepend(tmp_path)  # as hosts do that name the folder
     feed, guard = opened(with_guards, robot)
     monkeypatch.chdir(tmp_path)
     os.kill(guard.pid, signal.SIGKILL)
@@ -613,7 +613,7 @@ def test_a_guard_imports_the_standard_library_whatever_lies_in_the_folder_of_the
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system cannot fork")
-def test_a_forked_process_refuses_to_drive_whoever_held_the_locks(robot: Rosbridge, with_guards: ExitStack) -> None:
+def test_a_forked_process_refuses_to_drive_whatever_locks_were_held(robot: Rosbridge, with_guards: ExitStack) -> None:
     feed, guard = opened(with_guards, robot)
     feed.drive(0.3)
     reading, writing = os.pipe()
@@ -642,7 +642,7 @@ def test_a_forked_process_refuses_to_drive_whoever_held_the_locks(robot: Rosbrid
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="this system tells nobody of the end of a process")
-def test_the_end_of_the_server_is_that_of_the_guard_and_no_other_one_drives(
+def test_the_end_of_the_server_ends_the_guard_and_no_other_one_drives(
     robot: Rosbridge, with_guards: ExitStack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     server = with_guards.enter_context(subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE))
@@ -667,7 +667,7 @@ def test_the_end_of_the_server_is_that_of_the_guard_and_no_other_one_drives(
     ids=["a host that forbids it", "Windows"],
 )
 @pytest.mark.slow
-def test_where_no_process_can_be_started_the_kernel_sends_and_says_so(
+def test_if_no_process_can_be_started_the_kernel_sends_and_reports_it(
     robot: Rosbridge,
     with_guards: ExitStack,
     monkeypatch: pytest.MonkeyPatch,
@@ -698,7 +698,7 @@ def test_a_damaged_message_ends_a_guard_with_zero(
 
 
 @pytest.mark.slow
-def test_a_guard_survives_the_signals_of_a_terminal_and_ends_with_zero_when_it_is_told_to(
+def test_a_guard_survives_the_signals_of_a_terminal_and_ends_with_zero_on_request(
     robot: Rosbridge, with_guards: ExitStack
 ) -> None:
     feed, guard = opened(with_guards, robot)

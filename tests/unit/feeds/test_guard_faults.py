@@ -1,4 +1,4 @@
-"""Faults of the process that drives, against robots in other processes that log each command."""
+"""Faults of the driving process, against robots in other processes that log each command."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from benchmarks.guard import FAULTS, OF_ONE, PAUSE, SIGNALS, Drivers, guards, he
 from benchmarks.stopping import available
 
 EVERY = "foxglove"
-"""The middleware on which every fault is tried; on the others, those of signals and pauses."""
+"""The middleware on which every fault is tried; the others get signals and pauses only."""
 UNGUARDED = ("SIGINT", "SIGTERM", "SIGHUP")
 """The signals after which a kernel without a guard sends zero, too."""
 
@@ -37,7 +37,7 @@ TRIED = [
 
 @pytest.fixture(scope="module")
 def there(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Drivers, Path]]:
-    """What drives the robot of a middleware, with or without a guard, and the log of the robot."""
+    """Start a program that drives the robot of a middleware, with or without a guard; yield it and the robot's log."""
     (name, guarded), path = request.param, tmp_path_factory.mktemp("robot") / "heard.txt"
     path.touch()
     with robot(name, path) as where, closing(Drivers(name, where, path, guarded=guarded)) as drivers:
@@ -59,7 +59,7 @@ def test_the_robot_gets_zero_and_nothing_moves_after_it(there: tuple[Drivers, Pa
         zero = next(time for time, speed in heard(path, at) if speed == 0.0)
         if fault == PAUSE:
             wait_for(lambda: "stood still" in drivers.refused, "the next speed is refused")
-        if not fault.startswith("GIL"):  # a cell or a step goes on, and may drive again
+        if not fault.startswith("GIL"):  # a cell or a step continues, and may drive again
             process.signal(signal.SIGKILL)
             wait_for(lambda: guards() <= before, "no guard is left behind")
             assert not [speed for time, speed in heard(path, zero) if speed]

@@ -1,4 +1,4 @@
-"""Driving from the cells of a real kernel: cells that are run again, that raise, that are interrupted."""
+"""Driving from the cells of a real kernel: cells that run again, raise, or are interrupted."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Kernel]:
 
 @pytest.fixture
 def kernel(shared: Kernel) -> Kernel:
-    """A kernel of all tests, with a robot of this test."""
+    """The kernel of all tests, with a robot of this test."""
     shared.open_anew()
     return shared
 
 
 @pytest.fixture
 def own_kernel(tmp_path: Path) -> Iterator[Kernel]:
-    """One that the test may end, or leave at work."""
+    """A kernel that the test may end, or leave busy."""
     made = Kernel(tmp_path / "heard.txt")
     yield made
     made.close()
@@ -46,7 +46,7 @@ def log(tmp_path: Path) -> Log:
 
 HOLD = "feed.driving = feeds.Driving(hold=3600.0)\n"
 AWAIT_ZERO = "while not open(log.name).read().endswith(' 0.0, 0.0)\\n'): time.sleep(0.01)"
-"""Waits for as long as it takes until the robot got zero; with `HOLD`, it does not get it of itself."""
+"""Waits as long as necessary until the robot got zero; with `HOLD`, it does not get it on its own."""
 LOOP = """
 while True:
     feed.drive(0.3)
@@ -100,7 +100,7 @@ def test_an_interrupt_of_a_cell_that_awaits_sends_zero_at_once(kernel: Kernel) -
 
 
 def break_at(kernel: Kernel, code: str, line: int) -> None:
-    """Have JupyterLab's debugger hold a cell at a line."""
+    """Make JupyterLab's debugger stop a cell at a line."""
     kernel.debug("initialize", adapterID="", pathFormat="path", linesStartAt1=True)
     kernel.debug("attach")
     source = {"path": kernel.debug("dumpCell", code=code)["sourcePath"]}
@@ -127,7 +127,7 @@ PATIENT = """
 from robowidgets.behaviors import program
 program.STEP = program.STEP._replace(late=3600.0)
 """
-"""The first traced step of a busy machine may be late, and a program that failed calls no further one."""
+"""The first traced step of a busy machine may be late, and a program that failed calls no further step."""
 
 
 # CPython 3.11 spins at the entry of a function in a thread that a debugger traces: here in the cell that connects.
@@ -182,7 +182,7 @@ def test_a_cell_that_ends_with_an_error_stops_its_function_and_names_it_until_it
     printed = kernel.printed("behave", FAILS[fails].format(cell=cell))
     assert printed.splitlines() == [f"`behave` (/scan) {OFF}"]
     calls = "n = len(got)\nwhile len(got) < n + 3: time.sleep(0.01)"
-    kernel.run("calls", calls)  # three scans, on which nothing drives
+    kernel.run("calls", calls)  # three scans, and nothing drives
     assert kernel.heard[-1][1] == 0.0
     assert kernel.run("look", f"assert repr(feed).count({OFF[:6]!r}) == 1, repr(feed)")["status"] == "ok"
     assert kernel.printed("behave", cell) == ""
@@ -253,7 +253,7 @@ time.sleep(60)
     assert log.heard()[-1][1] == 0.0
 
 
-def test_nobody_drives_a_robot_while_the_feeds_of_others_are_closed(
+def test_no_program_drives_a_robot_while_the_feeds_of_others_are_closed(
     log: Log, start: Callable[..., subprocess.Popen[bytes]]
 ) -> None:
     two = """
@@ -280,7 +280,7 @@ time.sleep(60)
     process.send_signal(signal.SIGTERM)
     process.wait(120)
     speeds = [linear for _, linear, _ in log.heard()]
-    assert {*speeds[speeds.index(9.0) :]} <= {0.0, 9.0}, "once the first of them is being closed"
+    assert {*speeds[speeds.index(9.0) :]} <= {0.0, 9.0}, "while the first of them is being closed"
 
 
 def test_a_signal_that_ends_the_process_sends_zero_first_from_a_pad_without_a_feed(

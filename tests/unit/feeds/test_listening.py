@@ -1,4 +1,4 @@
-"""What a feed hears for the list of topics: rates and values while a page looks, and nothing that costs much."""
+"""The rates and values of a feed for the list of topics while a page looks, and their low cost."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def feed(script: Scripted, clock: ManualClock) -> Iterator[Feed]:
 
 
 class Looking:
-    """A page that looks at the list of topics of a robot."""
+    """A page that shows the list of topics of a robot."""
 
     def __init__(self, feed: Feed, monkeypatch: pytest.MonkeyPatch, *shown: str) -> None:
         self.view = feed.show(*shown)
@@ -56,7 +56,7 @@ class Looking:
         self.view.topic_list._on_page(None, {"look": [*names]}, None)
 
     def says(self, name: str) -> dict[str, Any]:
-        """What the page was told of a topic last: in words, how often, how many."""
+        """The last report of a topic to the page: its text, its rate, its count."""
         last = self.told[-1]
         return {"value": last["values"].get(name), **last["now"].get(name, {})}
 
@@ -225,10 +225,10 @@ def test_a_large_topic_is_silent_once_a_whole_glance_has_missed_it(
     assert "silent" not in page.says("/left")
 
 
-def test_who_comes_late_gets_what_a_publisher_keeps_and_nothing_old_of_a_sensor(
+def test_a_late_subscriber_gets_kept_messages_and_nothing_old_of_a_sensor(
     feed: Feed, script: Scripted, clock: ManualClock
 ) -> None:
-    """The list listens to everything, so that whatever is connected then is not the first to ask."""
+    """The list listens to everything, so that a later connection is not the first to ask."""
     grid = {"info": {"width": 2, "height": 1}, "data": [0, 100]}
     for name in ("/map", "/scan", "/temperature"):
         feed.connect(name, MessageWidget())
@@ -245,7 +245,7 @@ def test_who_comes_late_gets_what_a_publisher_keeps_and_nothing_old_of_a_sensor(
     wait_for(lambda: bool(got), "the function is called")
     assert (got, kept["data"], scanned.message, warm.message) == ([grid], [0, 100], None, None)
 
-    for _ in range(3):  # another map now and then is kept, too; many are no map that somebody keeps
+    for _ in range(3):  # another map now and then is kept, too; many are not maps that a program needs
         script.listener.on_message("/map", {"data": [100]})
         clock.advance(RARE * 2)
     late = MessageWidget()
@@ -269,7 +269,7 @@ def test_what_was_kept_before_the_robot_was_lost_is_not_passed_on(
     assert late.message is None
 
 
-def test_one_who_looks_and_raises_is_called_again_and_holds_up_no_other(
+def test_an_observer_that_raises_is_called_again_and_delays_no_other(
     feed: Feed, clock: ManualClock, caplog: pytest.LogCaptureFixture
 ) -> None:
     failed: list[bool] = []
@@ -308,7 +308,7 @@ def test_messages_that_newer_ones_replaced_count_for_the_rates_of_list_and_card(
     feed.connect("/scan", card)
     page.look("/scan", "/imu")
     clock.advance()
-    for _ in range(100):  # each has replaced four others: 200 in a second
+    for _ in range(100):  # each has replaced four others: 200 per second
         for name, message in (("/scan", scan(0.5)), ("/imu", {"data": 1.0})):
             script.listener.on_message(name, message, replaced=4)
         clock.advance(0.025)
@@ -320,7 +320,7 @@ def test_messages_that_newer_ones_replaced_count_for_the_rates_of_list_and_card(
     assert page.says("/scan")["messages"] == 5 * 100 - 4, "all but those before the first"
 
 
-def test_a_burst_of_a_large_topic_is_no_rate(script: Scripted, page: Looking, clock: ManualClock) -> None:
+def test_a_burst_of_a_large_topic_is_not_a_rate(script: Scripted, page: Looking, clock: ManualClock) -> None:
     page.look("/left")
     clock.advance()
     for _ in range(12):

@@ -21,7 +21,7 @@ foxglove.set_log_level("CRITICAL")
 
 Publish = Callable[[str, dict[str, Any]], None]
 EVERY = 0.05
-"""Seconds between two rounds of messages: a connection that is flooded takes its time."""
+"""Seconds between two rounds of messages: a flooded connection needs time."""
 
 
 @cache
@@ -38,7 +38,7 @@ def left_out() -> str:
 
 @pytest.fixture(params=["foxglove", "rosbridge"])
 def robot(request: pytest.FixtureRequest, left_out: str) -> Iterator[tuple[Any, Publish]]:
-    """A feed of a robot with a map, and what publishes on one of its topics."""
+    """Yield a feed of a robot with a map, and a function that publishes on one of its topics."""
     types = {topic: kind for topic, kind in scene.TYPES.items() if topic != left_out}
     if request.param == "foxglove":
         with serving(types) as (address, publish), feeds.foxglove(address) as feed:
@@ -148,4 +148,4 @@ def test_a_laser_with_a_trail_takes_the_odometry_of_its_robot_or_its_tf_by_itsel
         assert laser.get_state()["_about"]["pose"] == [1.0, 2.0, 0.0]
     laser.trail = 0
     left = feed.connection._table.by_topic.keys()
-    assert left - {"/tf", "/tf_static"} == {"/scan"}, "besides tf, by which angles are the robot's"
+    assert left - {"/tf", "/tf_static"} == {"/scan"}, "besides tf, which relates the angles to the robot"

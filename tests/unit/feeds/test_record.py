@@ -1,4 +1,4 @@
-"""Recording a feed: a file that other tools read, whatever the middleware, and that holds up nobody."""
+"""Recording a feed: a file that other tools read, from every middleware, without delaying other work."""
 
 from __future__ import annotations
 
@@ -148,14 +148,14 @@ def test_a_run_opens_here_and_in_other_tools_with_its_states_and_the_text_of_its
     assert [span.name for span in outer[:4]] == ["forward", "avoid", "forward", "avoid"]
     assert all(before.end == after.start for before, after in pairwise(outer))
     seconds = [span.end - span.start for span in outer if span.name == "forward"]
-    assert any(one == pytest.approx(0.1, abs=0.08) for one in seconds), seconds  # a stall of the machine blurs one
+    assert any(one == pytest.approx(0.1, abs=0.08) for one in seconds), seconds  # a pause of the machine blurs one
     inner = next(span for span in states if span.path == "Nested.avoid.stop")
     assert inner.start == outer[1].start
     rows = rows_of(states)
     assert [{span.machine for span in row} for row in rows] == [{"Nested"}, {"Nested.avoid"}]
 
 
-def test_messages_of_every_middleware_are_written_as_those_of_ros_2(tmp_path: Path) -> None:
+def test_messages_of_every_middleware_are_written_as_ros_2_messages(tmp_path: Path) -> None:
     script = Scripted(SCAN, ODOM, KOBUKI, TOUCH)
     with Feed(script) as feed:
         recorder = feed.record(tmp_path / "run.mcap")
@@ -208,7 +208,7 @@ def test_named_topics_are_recorded_from_when_they_appear_and_others_are_not(tmp_
         assert repr(recorder).startswith(f"{tmp_path / 'run.mcap'}: 0 messages, closed\n⚠ /imu")
 
 
-def test_speeds_that_are_sent_are_recorded_where_nobody_else_publishes_them(tmp_path: Path) -> None:
+def test_sent_speeds_are_recorded_if_no_other_node_publishes_them(tmp_path: Path) -> None:
     with Feed(Scripted(CMD_VEL._replace(name="/base/cmd_vel"))) as feed:
         feed.driving = feeds.Driving(topic="/base/cmd_vel")
         with feed.record(tmp_path / "run.mcap") as recorder:
@@ -218,7 +218,7 @@ def test_speeds_that_are_sent_are_recorded_where_nobody_else_publishes_them(tmp_
     assert (speeds[0], speeds[-1]) == ((0.25, 0.5), (0.0, 0.0))
 
 
-def test_what_a_program_drives_on_a_recording_is_recorded_beside_it(tmp_path: Path) -> None:
+def test_the_speeds_of_a_program_on_a_recording_are_recorded_next_to_it(tmp_path: Path) -> None:
     with feeds.recording(robowidgets.SAMPLE, speed=20) as feed, feed.record(tmp_path / "run.mcap") as recorder:
         feed.program(lambda: Drive(0.125))
         wait_for(lambda: recorder.written["/cmd_vel_by_program"], "its speed is written")
@@ -228,7 +228,7 @@ def test_what_a_program_drives_on_a_recording_is_recorded_beside_it(tmp_path: Pa
     assert {"/scan", "/odom", "/bumper", "/cmd_vel"} <= messages.keys()
 
 
-def test_a_slow_disk_holds_up_nobody_and_what_is_dropped_is_told(
+def test_a_slow_disk_delays_nothing_and_dropped_messages_are_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(live_writer, "MOST_WAITING", 10)

@@ -27,7 +27,7 @@ def clock() -> ManualClock:
 
 
 def played(path: Path, clock: ManualClock, speed: float) -> Feed:
-    """A feed of a recording that is played while the clock is moved."""
+    """A feed of a recording that is played by moving the clock."""
     return Feed(Played(RecordingData(path), speed, False, clock))
 
 
@@ -49,7 +49,7 @@ def test_a_recording_is_played_to_its_end_at_any_speed(clock: ManualClock) -> No
     assert got == [stamp for _, stamp in recorded]
 
 
-def test_its_topics_are_those_of_the_file() -> None:
+def test_its_topics_match_the_file() -> None:
     with feeds.recording(SAMPLE) as feed:
         assert [(topic.name, topic.type) for topic in feed.topics] == [
             ("/scan", "sensor_msgs/msg/LaserScan"),
@@ -61,7 +61,7 @@ def test_its_topics_are_those_of_the_file() -> None:
         assert feed.where == "sample.mcap"
 
 
-def test_in_a_loop_it_starts_anew() -> None:
+def test_in_a_loop_it_starts_again() -> None:
     stamps: list[int | None] = []
     with feeds.recording(SAMPLE, speed=300, loop=True) as feed:
         feed.connect("/scan", lambda scan: stamps.append(scan.stamp_ns))
@@ -159,7 +159,7 @@ def test_words_for_what_cannot_be_played(tmp_path: Path) -> None:
         feeds.recording(feed)
 
 
-def test_a_program_drives_it_and_its_speeds_are_shown_beside_those_that_were_driven_then() -> None:
+def test_a_program_drives_it_and_its_speeds_are_shown_next_to_the_recorded_ones() -> None:
     with feeds.recording(SAMPLE, loop=True) as feed:
         feed.driving = feeds.Driving(hold=3600.0)
         view = feed.show()

@@ -52,10 +52,10 @@ def heard() -> Ears:
 
 
 THREADS = ("robowidgets-ros2", "robowidgets-drive")
-"""Those that wait elsewhere than by a clock that is moved by hand."""
+"""Threads that wait elsewhere than by the clock that is moved by hand."""
 
 NEVER = 1000.0
-"""In place of seconds: a test in which they are waited for fails by its time-out."""
+"""Replaces waits of seconds: a test that really waits this long fails by its time-out."""
 
 
 @pytest.fixture
@@ -67,7 +67,7 @@ def ros2(graph: Graph, heard: Ears) -> Iterator[Ros2]:
 
 
 def look_no_more(ros2: Ros2, heard: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Return once a middleware has looked at the topics for the last time, and waits until something is asked of it."""
+    """Return once a middleware has looked at the topics for the last time, and waits for a request."""
     wait_for(lambda: heard.topics, "the topics are known")
     spin, idle = SingleThreadedExecutor.spin_once, threading.Event()
 
@@ -83,7 +83,7 @@ def look_no_more(ros2: Ros2, heard: Ears, monkeypatch: pytest.MonkeyPatch) -> No
 
 
 class Spun:
-    """A node in the hands of an executor that spins in a thread of its own, as a program's does."""
+    """A node in an executor that spins in its own thread, as in a program."""
 
     def __init__(self, node: Any) -> None:
         self.node = node
@@ -133,13 +133,13 @@ def offer(graph: Graph, topic: str, kind: str, qos: Any = None) -> Any:
 
 
 def subscriptions(graph: Graph) -> list[Any]:
-    """Those of the product."""
+    """The nodes of the product."""
     nodes = [node for node in list(graph.nodes) if node.context in graph.contexts]
     return [s for node in nodes for s in list(node.subscriptions)]
 
 
 def subscribed(ros2: Ros2, graph: Graph, topic: str) -> Any:
-    """The subscription to a topic, once whoever publishes it knows it."""
+    """The subscription to a topic, once its publisher knows it."""
     ros2.follow(ros2._wanted | {topic})
     wait_for(lambda: any(s.topic_name == topic and s.others() for s in subscriptions(graph)), "it subscribed")
     return next(s for s in subscriptions(graph) if s.topic_name == topic)
@@ -167,7 +167,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     module = sys.modules[Ros2.__module__]
     assert module.ALONE + EARLY_LOOK < 2.0
     monkeypatch.setattr(module, "ALONE", 0.3)
-    offer(graph, "/rosout", "rcl_interfaces/msg/Log")  # as every node has, also a program of this machine
+    offer(graph, "/rosout", "rcl_interfaces/msg/Log")  # as every node has, also a program on this machine
     ros2 = Ros2(domain_id=7)
     ros2.open(heard)
     wait_for(lambda: heard.nobody or heard.topics is not None, "it is told")
@@ -188,9 +188,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     ros2.close()
 
 
-def test_other_nodes_that_publish_are_named_as_far_as_their_names_are_known(
-    ros2: Ros2, graph: Graph, heard: Ears
-) -> None:
+def test_other_nodes_that_publish_are_named_if_their_names_are_known(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     for name, namespace in (("teleop", "/hand"), ("nav", "/"), ("_NODE_NAME_UNKNOWN_", "_NODE_NAMESPACE_UNKNOWN_")):
         graph.node(name, namespace).create_publisher(get_message(TWIST), "/cmd_vel", 1)
     graph.node("_CREATED_BY_BARE_DDS_APP_", "_CREATED_BY_BARE_DDS_APP_").create_publisher(
@@ -201,7 +199,7 @@ def test_other_nodes_that_publish_are_named_as_far_as_their_names_are_known(
     wait_for(lambda: heard.topics == expected, "they are named")
 
 
-def test_a_topic_that_nobody_publishes_any_more_is_not_offered(ros2: Ros2, graph: Graph, heard: Ears) -> None:
+def test_a_topic_without_a_publisher_left_is_not_offered(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     lonely, shared = offer(graph, "/lonely", SCAN), offer(graph, "/shared", SCAN)
     graph.node("viewer").create_subscription(get_message(SCAN), "/shared", lambda _message: None, 1)
     for topic in ("/lonely", "/shared"):
@@ -212,7 +210,7 @@ def test_a_topic_that_nobody_publishes_any_more_is_not_offered(ros2: Ros2, graph
     assert heard.lost == []
 
 
-def test_a_topic_that_appears_soon_after_the_start_is_told_by_a_look_that_comes_earlier_than_the_usual_one(
+def test_a_topic_that_appears_soon_after_the_start_is_found_by_an_early_look(
     graph: Graph, heard: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert EARLY_LOOK < LOOK
@@ -274,7 +272,7 @@ def test_a_policy_that_is_not_known_is_heard_best_effort(ros2: Ros2, graph: Grap
     assert (qos.history, qos.reliability) == (HistoryPolicy.KEEP_LAST, ReliabilityPolicy.BEST_EFFORT)
 
 
-def test_a_refusal_is_told_and_gone_with_the_next_message(ros2: Ros2, graph: Graph, heard: Ears) -> None:
+def test_a_refusal_is_reported_and_gone_with_the_next_message(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     publisher = offer(graph, "/scan", SCAN, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
     subscribed(ros2, graph, "/scan")
     refused = offer(graph, "/scan", SCAN)
@@ -288,7 +286,7 @@ def test_a_refusal_is_told_and_gone_with_the_next_message(ros2: Ros2, graph: Gra
     assert heard.words("/scan") == ""
 
 
-def test_a_truncated_message_is_told_until_a_whole_one_comes_and_holds_up_no_other(
+def test_a_truncated_message_is_reported_until_a_whole_one_comes_and_delays_no_other(
     ros2: Ros2, graph: Graph, heard: Ears
 ) -> None:
     publisher, other = offer(graph, "/scan", SCAN), offer(graph, "/other", SCAN)
@@ -307,7 +305,7 @@ def test_a_truncated_message_is_told_until_a_whole_one_comes_and_holds_up_no_oth
     assert (heard.connected, heard.lost) == (1, [])
 
 
-def test_it_subscribes_where_refusals_cannot_be_told(ros2: Ros2, graph: Graph) -> None:
+def test_it_subscribes_if_refusals_cannot_be_reported(ros2: Ros2, graph: Graph) -> None:
     graph.tells_refusals = False
     offer(graph, "/scan", SCAN)
     assert subscribed(ros2, graph, "/scan").events.incompatible_qos is None
@@ -371,7 +369,7 @@ def test_a_package_that_is_half_installed_is_trouble_of_its_topic_alone(ros2: Ro
     assert heard.lost == []
 
 
-def test_events_are_told_by_the_older_rclpy_too(monkeypatch: pytest.MonkeyPatch, heard: Ears) -> None:
+def test_events_are_reported_by_the_older_rclpy_too(monkeypatch: pytest.MonkeyPatch, heard: Ears) -> None:
     graph = install(monkeypatch, events="qos_event")
     ros2 = Ros2(domain_id=7)
     ros2.open(heard)
@@ -411,7 +409,7 @@ def test_the_first_message_to_a_best_effort_robot_arrives(ros2: Ros2, graph: Gra
         wait_for(lambda: robot.speeds == [0.0], "the robot received it")
 
 
-def test_what_nobody_listens_to_waits_for_nobody(
+def test_a_topic_without_subscribers_does_not_wait(
     ros2: Ros2, graph: Graph, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wait_for(lambda: heard.topics, "the robot is known")
@@ -436,7 +434,7 @@ def test_every_message_arrives_though_no_other_comes(
 
 @pytest.fixture(params=["alone", "spun by its program", "of a context that was shut down", "destroyed"])
 def node(graph: Graph, request: pytest.FixtureRequest) -> Iterator[Any]:
-    """A node of the program's, or none; once a feed is open, `node.befall` happens to it."""
+    """A node of the program's, or none; once a feed is open, the test does `node.befall` to it."""
     node = graph.node("mine")
     node.befall = lambda: None
     if request.param == "alone":
@@ -519,7 +517,7 @@ def test_without_a_connection_nothing_is_published_and_nothing_kept(
         ros2.publish("/cmd_vel", TWIST, ZERO)
 
 
-def test_a_listener_that_refuses_our_quality_of_service_is_told_until_it_is_gone(
+def test_a_listener_that_refuses_our_quality_of_service_is_reported_until_it_is_gone(
     ros2: Ros2, graph: Graph, heard: Ears, robot: Robot
 ) -> None:
     ros2.publish("/cmd_vel", TWIST, ZERO)
@@ -543,7 +541,7 @@ def test_a_listener_that_refuses_our_quality_of_service_is_told_until_it_is_gone
 # -- its context and node ----------------------------------------------------------------------------------------------
 
 
-def test_a_ros_that_does_not_start_is_told_and_tried_again(
+def test_a_ros_that_does_not_start_is_reported_and_tried_again(
     graph: Graph, heard: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rclpy, tries = sys.modules["rclpy"], []
@@ -680,7 +678,7 @@ def test_it_can_be_closed_in_a_callback(ros2: Ros2, graph: Graph, heard: Ears) -
     wait_for(lambda: graph.contexts[0].log == ["executor", "node", "shutdown"], "it ended")
 
 
-def test_an_interrupt_that_ends_all_of_rclpy_is_told_once_and_survived(
+def test_an_interrupt_that_ends_all_of_rclpy_is_reported_once_and_survived(
     ros2: Ros2, graph: Graph, heard: Ears, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     unraisable: list[Any] = []
@@ -708,7 +706,7 @@ def test_a_zero_after_an_interrupt_that_ended_all_of_rclpy_arrives(
         ros2.publish("/cmd_vel", TWIST, FORWARD)
         wait_for(lambda: robot.speeds[-1:] == [0.25], "the robot drives")
         for context in graph.contexts:
-            context.interrupt()  # the robot is another process
+            context.interrupt()  # the robot is in another process
         ros2.publish("/cmd_vel", TWIST, ZERO)
         wait_for(lambda: robot.speeds[-1] == 0.0, "the robot stops")
 
@@ -790,7 +788,7 @@ def test_a_speed_with_which_the_robot_was_found_again_owes_no_earlier_zero(
     wait_for(is_published, "the robot is found again")
     connected, topics = heard.connected, heard.topics
     wait_for(lambda: heard.topics is not topics, "it looks again")
-    assert heard.connected == connected, "else zero would follow the speed"
+    assert heard.connected == connected, "otherwise zero would follow the speed"
 
 
 @pytest.mark.parametrize("reliability", list(ReliabilityPolicy)[1:3])
@@ -902,7 +900,7 @@ def test_wrong_arguments_are_refused_by_name(graph: Graph) -> None:
         Ros2(graph.node(), domain_id=1)
 
 
-def test_the_domain_of_the_environment_is_that_of_the_feed_for_good(
+def test_the_domain_of_the_environment_stays_the_domain_of_the_feed(
     graph: Graph, heard: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_DOMAIN_ID", "11")
@@ -940,7 +938,7 @@ def test_without_rclpy_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch, heard
         ([ReliabilityPolicy.UNKNOWN], ReliabilityPolicy.BEST_EFFORT),
     ],
 )
-def test_lost_packets_are_asked_for_again_by_who_records_if_each_publisher_can_repeat_them(
+def test_recording_requests_lost_packets_again_if_each_publisher_can_repeat_them(
     ros2: Ros2, graph: Graph, offered: list[Any], asked: Any
 ) -> None:
     for reliability in offered:

@@ -1,4 +1,4 @@
-"""The feed of rclpy on the real one, wherever that is installed."""
+"""The feed of rclpy on the real rclpy, if that is installed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SCAN = "sensor_msgs/msg/LaserScan"
 
 @pytest.fixture
 def robot() -> Iterator[Any]:
-    """A node in a context of its own, spun in a thread."""
+    """A node in its own context, spun in a thread."""
     context = Context()
     rclpy.init(args=[], context=context, domain_id=DOMAIN, signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("robot", context=context)
@@ -92,7 +92,7 @@ def test_a_scan_comes(ros2: Ros2, heard: Ears, robot: Any, qos: Any) -> None:
     assert heard.said == []
 
 
-def test_a_latched_scan_comes_to_those_who_come_late(ros2: Ros2, heard: Ears, robot: Any) -> None:
+def test_a_latched_scan_reaches_late_subscribers(ros2: Ros2, heard: Ears, robot: Any) -> None:
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     robot.create_publisher(LaserScan, "/kept", qos).publish(scan())
     ros2.follow(frozenset({"/kept"}))
@@ -128,7 +128,7 @@ def test_every_speed_arrives_once_and_before_the_next(ros2: Ros2, heard: Ears, r
     assert log == [float(number) for number in range(1, 21)]
 
 
-def test_a_listener_that_refuses_our_quality_of_service_is_told(ros2: Ros2, heard: Ears, robot: Any) -> None:
+def test_a_listener_that_refuses_our_quality_of_service_is_reported(ros2: Ros2, heard: Ears, robot: Any) -> None:
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     picky = robot.create_subscription(Twist, "/cmd_vel", print, qos)
     wait_for(lambda: heard.topics, "the topic is known")

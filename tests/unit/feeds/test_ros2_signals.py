@@ -26,7 +26,7 @@ sys.path.insert(0, {str(BESIDE)!r})
 import rclpy
 from robowidgets import feeds
 """
-"""A guard finds the stand-in in the path of its kernel, and has a network of its own with the same robot."""
+"""A guard finds the stand-in on the path of its kernel, and has its own network with the same robot."""
 OPEN = "feed = feeds.ros2(domain_id=7); feed.driving = feeds.Driving(hold=60.0)"
 INIT = "rclpy.init(domain_id=7)"
 INIT_WITHOUT = "rclpy.init(domain_id=7, signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)"
@@ -56,7 +56,7 @@ Ended = Callable[[str, int], tuple[int, str, float]]
 
 @pytest.fixture
 def ended(environment: dict[str, str], start: Callable[..., subprocess.Popen[str]]) -> Ended:
-    """Ends a program that drives by a signal: its exit code, what it printed, and the last speed of the robot."""
+    """End a driving program by a signal; return its exit code, its printed text, and the last speed of the robot."""
     path = Path(environment["ROBOT_LOG"])
     path.touch()
 

@@ -38,19 +38,19 @@ def ears() -> Ears:
 
 @pytest.fixture
 def in_json(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where cbor2 is not installed."""
+    """Without cbor2, as if it were not installed."""
     monkeypatch.setitem(sys.modules, "cbor2", None)
 
 
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Questions for topics follow each other quickly, but leave a busy machine time for the answers."""
+    """Requests for topics follow each other quickly, but leave a busy machine time for the answers."""
     monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_POLL", 0.3)
 
 
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Answers may take as long as a busy machine needs for them."""
+    """Answers may take as long as a busy machine needs."""
     for limit in ("_websocket.SEND_TIMEOUT", "_websocket._GOODBYE", "_threaded.CLOSE_TIMEOUT"):
         monkeypatch.setattr(f"robowidgets.feeds.{limit}", 120.0)
 
@@ -93,7 +93,7 @@ def test_a_scan_in_cbor_keeps_nan_and_both_infinities(ears: Ears) -> None:
     assert ears.said == []
 
 
-def test_in_json_null_is_no_measurement_and_what_it_hides_is_told(ears: Ears, in_json: None) -> None:
+def test_in_json_null_is_not_a_measurement_and_what_it_hides_is_reported(ears: Ears, in_json: None) -> None:
     with Server({"/scan": SCAN}) as server:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
@@ -125,14 +125,14 @@ def test_every_event_of_a_bumper_is_asked_for_and_handed_on(ears: Ears, quick: N
     assert [message.bumper for message in ears.of("/bumper")] == 20 * [0, 1, 2]
 
 
-def test_types_of_ros_1_are_told_as_those_of_ros_2(ears: Ears) -> None:
+def test_types_of_ros_1_are_reported_as_types_of_ros_2(ears: Ears) -> None:
     with Server({"/scan": "sensor_msgs/LaserScan"}) as server:
         middleware = opened(server.address, ears)
         wait_for(lambda: ears.topics == [Advert("/scan", SCAN)], "it was told")
         middleware.close()
 
 
-def test_who_listens_and_who_publishes_is_told_without_counting_the_bridge(ears: Ears, quick: None) -> None:
+def test_subscribers_and_publishers_are_reported_without_counting_the_bridge(ears: Ears, quick: None) -> None:
     with Server({"/cmd_vel": STAMPED, "/drive": TWIST, "/scan": SCAN}) as server:
         server.listeners["/cmd_vel"] = ["/base", "/rosbridge_websocket"]
         server.publishers = {"/cmd_vel": ["/teleop", "/r1/rosbridge_websocket", "/nav"], "/drive": [], "/scan": []}
@@ -224,7 +224,7 @@ def test_a_topic_may_come_after_it_was_connected_and_change_its_type(
     assert ears.said == []
 
 
-def test_without_rosapi_topics_are_heard_and_the_lack_is_told(ears: Ears, quick: None) -> None:
+def test_without_rosapi_topics_are_heard_and_the_lack_is_reported(ears: Ears, quick: None) -> None:
     with Server({}, rosapi=False) as server:
         middleware = opened(server.address, ears, "/scan")
         words = "waiting for /scan; the list of topics is unknown, because the robot runs no rosapi"
@@ -325,7 +325,7 @@ def test_a_message_that_is_too_large_and_names_no_topic_is_skipped_in_words(ears
         ("[1]", "does not speak rosbridge: expected a rosbridge message, got [1]"),
     ],
 )
-def test_what_cannot_be_read_is_told_until_something_can(frame: Any, words: str, ears: Ears) -> None:
+def test_what_cannot_be_read_is_reported_until_something_can(frame: Any, words: str, ears: Ears) -> None:
     with Server({"/scan": SCAN}) as server:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
@@ -361,7 +361,7 @@ def test_a_server_that_says_odd_things_is_heard_no_less(ears: Ears) -> None:
         assert server.opened == 1
 
 
-def test_binary_data_that_nobody_asked_for_is_told(ears: Ears, in_json: None) -> None:
+def test_unrequested_binary_data_is_reported(ears: Ears, in_json: None) -> None:
     with Server({"/scan": SCAN}) as server:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
@@ -372,7 +372,7 @@ def test_binary_data_that_nobody_asked_for_is_told(ears: Ears, in_json: None) ->
 
 
 @pytest.mark.parametrize("name", ["/scan", "/" + "x" * 30, "/" + "x" * 300, "/mäß", '/a"b\\'])
-def test_the_topic_of_a_message_is_told_by_its_start(name: str) -> None:
+def test_the_topic_of_a_message_is_known_from_its_start(name: str) -> None:
     said = {"op": "publish", "topic": name, "msg": {"topic": "/other"}}
     assert topic_of(json.dumps(said)) == name
     assert topic_of(json.dumps(said, separators=(",", ":"), ensure_ascii=False)) == name
@@ -394,7 +394,7 @@ def test_a_speed_is_published_as_the_robots_ros_writes_it(
         wait_for(lambda: ears.topics, "the topics were told")
         speed = {"header": {"stamp": {"sec": 1, "nanosec": 2}}, "twist": {"linear": {"x": 0.25}}}
         middleware.publish("/cmd_vel", STAMPED, speed)
-        middleware.close()  # what was published before is still sent
+        middleware.close()  # messages published before are still sent
         wait_for(lambda: server.published, "it came")
     assert server.advertised == {"/cmd_vel": sent}
     assert server.published == [("/cmd_vel", {"header": {"stamp": stamp}, "twist": {"linear": {"x": 0.25}}})]
@@ -412,7 +412,7 @@ def test_a_speed_after_a_lost_connection_is_written_as_before(ears: Ears) -> Non
     assert server.advertised == {"/cmd_vel": "geometry_msgs/Twist"}
 
 
-def test_a_topic_that_rosbridge_cannot_publish_is_told_though_it_tells_no_error(
+def test_a_topic_that_rosbridge_cannot_publish_is_reported_though_it_reports_no_error(
     ears: Ears, quick: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_ANSWERED", 0.3)
@@ -436,7 +436,7 @@ def test_a_topic_that_rosbridge_cannot_publish_is_told_though_it_tells_no_error(
 
 
 @pytest.mark.parametrize("bridge", ["/rosbridge_websocket", "/robot/bridge_of_another_name"])
-def test_a_topic_that_rosbridge_publishes_is_no_trouble_whatever_its_name(
+def test_a_topic_that_rosbridge_publishes_is_not_a_problem_whatever_its_name(
     bridge: str, ears: Ears, quick: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys.modules["robowidgets.feeds.rosbridge"], "_ANSWERED", 0.3)
@@ -460,7 +460,7 @@ IMAGE, INFO, OWN = "sensor_msgs/msg/Image", "sensor_msgs/CameraInfo", "my_msgs/m
 
 
 @pytest.mark.parametrize("cbor", [True, False])
-def test_raw_messages_are_objects_with_arrays_as_those_of_every_middleware(
+def test_raw_messages_are_objects_with_arrays_as_in_every_middleware(
     cbor: bool, ears: Ears, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if not cbor:
@@ -481,7 +481,7 @@ def test_raw_messages_are_objects_with_arrays_as_those_of_every_middleware(
     np.testing.assert_array_equal(scanned.ranges, np.array([1.5, np.nan, 2.0], np.float32))
     assert (scanned.ranges.dtype, scanned.__msgtype__) == (np.float32, SCAN)
     assert (image.data.dtype, image.data.tolist(), image.step) == (np.uint8, [0, 1, 2], 3)
-    # Of a type that nobody here knows, the names are kept.
+    # Only the field names of a type that no package here defines are kept.
     np.testing.assert_array_equal(own_message.inner.numbers, [1.0, np.nan, 2.5])
     assert own_message.inner.count.tolist() == [1, 2]
     assert (own_message.inner.words, own_message.inner.on, own_message.void) == (["a"], [True], [])
@@ -611,7 +611,7 @@ def _threads() -> list[str]:
     return [thread.name for thread in threading.enumerate() if thread.name.startswith("robowidgets ws")]
 
 
-def test_a_foxglove_server_at_the_port_is_told_with_the_feed_for_it(ears: Ears) -> None:
+def test_a_foxglove_server_at_the_port_is_reported_with_the_feed_for_it(ears: Ears) -> None:
     server = foxglove.start_server(host="127.0.0.1", port=0, context=foxglove.Context())
     address = f"ws://127.0.0.1:{server.port}"
     middleware = Rosbridge(address)

@@ -1,4 +1,4 @@
-"""Scanners that stand turned on a running robot: tf is followed, and nothing is told of a scan before it has come."""
+"""Scanners that are mounted turned on a running robot: tf is followed, and no note comes before the first scan."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def message(mount: Mount = LEFT, wall: float = 0.75) -> dict[str, Any]:
 
 
 class Heard(list[Any]):
-    """What a connected function got."""
+    """The scans that a connected function got."""
 
     def take(self, scan: Any) -> None:
         self.append(scan)
@@ -55,12 +55,12 @@ def test_a_scan_waits_for_tf_and_has_the_angles_of_the_robot_then(clock: ManualC
         for wall in (0.5, 0.75):
             script.listener.on_message("/scan", message(wall=wall))
         assert laser.scan is None
-        assert len(raw) == 2, "what takes each message, as a recorder, waits for nothing"
+        assert len(raw) == 2, "subscribers that take each message, such as a recorder, do not wait"
         assert {("subscribe", "/tf_static"), ("subscribe", "/tf")} <= {*script.asked}
         script.listener.on_message("/tf_static", tf("laser", pi / 2))
         assert laser.distance("front") == 0.75
         assert laser.scan.mount.words == "turned 90.0° by tf"
-        assert ("unsubscribe", "/tf") in script.asked, "static transforms tell all"
+        assert ("unsubscribe", "/tf") in script.asked, "static transforms give all mounts"
         wait_for(lambda: heard, "the function is called")
         assert heard[-1].distance("front") == 0.75
         assert feed.mount_of("laser").yaw == pytest.approx(pi / 2)
@@ -164,7 +164,7 @@ def test_a_program_of_a_robot_with_a_turned_scanner_stops_before_the_wall(mount:
         feed.program(behave)
         roll = pi if mount.upside_down else 0.0
         script.listener.on_message("/scan", message(mount, wall=3.0))
-        assert seen == [], "not by a scan of which nobody knows where it looks"
+        assert seen == [], "not by a scan of unknown direction"
         script.listener.on_message("/tf_static", tf("laser", mount.yaw, roll))
         wait_for(lambda: (0.2, 0.0) in script.speeds, "it drives")
 

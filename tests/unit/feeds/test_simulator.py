@@ -51,7 +51,7 @@ def test_it_tells_its_scans_speeds_and_bumpers_as_time_passes(clock: ManualClock
     assert stamps[4] - stamps[0] == pytest.approx(0.4)
 
 
-def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(clock: ManualClock) -> None:
+def test_it_wanders_until_it_is_driven_and_again_afterwards(clock: ManualClock) -> None:
     with simulated(clock, wander=True) as (robot, feed):
         clock.advance(0.1)
         assert robot.command().linear[0] == 0.5
@@ -60,7 +60,7 @@ def test_it_wanders_until_somebody_drives_and_again_when_nobody_does(clock: Manu
         clock.advance(0.05)
         assert robot.command().values[::5] == (-0.25, 0.5)
         clock.advance(0.1)
-        assert robot.command().values[::5] == (0.0, 0.0), "nobody renews the speed"
+        assert robot.command().values[::5] == (0.0, 0.0), "no program renews the speed"
         clock.advance(real_time.LET_GO - 0.1)
         assert robot.command().values[::5] == (0.0, 0.0)
         clock.advance(0.1)
@@ -80,7 +80,7 @@ def test_a_speed_that_is_sent_is_shown_once(clock: ManualClock) -> None:
     assert shown == [0.25, 0.0]
 
 
-def test_it_stands_still_until_somebody_drives_if_it_is_not_to_wander(clock: ManualClock) -> None:
+def test_it_stands_still_until_it_is_driven_if_it_does_not_wander(clock: ManualClock) -> None:
     with simulated(clock) as (robot, feed):
         clock.advance(0.5)
         assert robot.time > 0.4
@@ -111,7 +111,7 @@ def test_its_topics_are_there_at_once() -> None:
             assert [topic.name for topic in feed.topics] == ["/scan", "/odom", "/cmd_vel", "/bumper"]
 
 
-def test_what_nobody_asked_for_is_not_handed_on() -> None:
+def test_unrequested_messages_are_not_delivered() -> None:
     scans: list[Scan] = []
     with feeds.simulator(hz=100.0) as feed:
         feed.connect("/scan", scans.append)

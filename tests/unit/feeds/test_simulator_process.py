@@ -1,4 +1,4 @@
-"""The simulated robot in a process of its own."""
+"""The simulated robot in its own process."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ROOM = World([(3.0, -2.0, 3.0, 2.0)])
 
 
 def hold_the_interpreter() -> None:
-    """Let no other thread of this process run for two seconds."""
+    """Block all other threads of this process for two seconds."""
     ctypes.PyDLL(None).usleep(2_000_000)
 
 
@@ -63,7 +63,7 @@ def test_it_is_driven_measured_moved_and_goes_on_while_a_call_holds_the_interpre
             hold_the_interpreter()
             returned = time.monotonic()
             wait_for(lambda: robot.time > before, "it is heard again")
-            # That of a robot in this process would have stood still, and catches up with one second at most.
+            # A robot in this process would have stood still, and catches up with one second at most.
             return robot.time - before - (time.monotonic() - returned) > 1.2
 
         wait_for(goes_on, "its time goes on meanwhile")
@@ -127,7 +127,7 @@ for messages in (first, [("/odom", 5)]): pickle.dump(messages, sys.stdout.buffer
 """
 
 
-def test_of_samples_that_come_together_only_the_last_is_for_those_who_take_the_newest(
+def test_of_samples_that_come_together_callers_of_the_newest_get_only_the_last(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(robot_process, "SERVE", WRITES)

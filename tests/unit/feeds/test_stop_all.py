@@ -1,4 +1,4 @@
-"""One Stop for several robots: of DDS, of Foxglove and simulated, with one that cannot be reached."""
+"""One Stop for several robots: on DDS, on Foxglove and simulated, and one that cannot be reached."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .scripted import CMD_VEL, Scripted
 
 @pytest.fixture
 def opened() -> Iterator[ExitStack]:
-    """Closes what is opened in it."""
+    """Closes what a test opens."""
     with ExitStack() as stack:
         yield stack
 
@@ -32,7 +32,7 @@ def scripted(opened: ExitStack, **options: Any) -> tuple[Feed, Scripted]:
 
 
 class Hangs(Scripted):
-    """One whose `publish` does not return before it is let go."""
+    """A middleware whose `publish` does not return until it is released."""
 
     def __init__(self) -> None:
         super().__init__(CMD_VEL)
@@ -44,7 +44,7 @@ class Hangs(Scripted):
 
 
 class TestStopAll:
-    def test_a_robot_that_is_lost_or_hangs_is_told_and_holds_up_no_other(self, opened: ExitStack) -> None:
+    def test_a_robot_that_is_lost_or_hangs_is_reported_and_delays_no_other(self, opened: ExitStack) -> None:
         red, red_script = scripted(opened)
         lost, _ = scripted(opened, connected=False)
         hanging = Hangs()
@@ -89,7 +89,7 @@ class TestStopAll:
         assert script.speeds[-1] == (0.0, 0.0)
         everybody.release()
 
-    def test_a_release_leaves_a_stop_that_someone_pressed_meanwhile(self, opened: ExitStack) -> None:
+    def test_a_release_keeps_a_stop_that_was_pressed_meanwhile(self, opened: ExitStack) -> None:
         red, script = scripted(opened)
         everybody, others = feeds.StopAll({"red": red}), feeds.StopAll({"red": red})
         everybody.stop(60)

@@ -10,7 +10,7 @@ from .scripted import scan, twist
 FEW, MANY = scan(1.0, 1.0), scan(1.0, 1.0, 1.0)
 
 
-def test_a_scanner_that_is_set_up_anew_is_one():
+def test_a_scanner_that_is_set_up_again_is_one():
     watch = TwoScanners()
     for message in (FEW, FEW, MANY, MANY, MANY):
         watch.see(message)
@@ -26,7 +26,7 @@ def test_two_that_take_turns_are_two_whatever_their_messages_are_made_of():
     assert watch.status == f"two scanners take turns on this topic: {few}, and {many}"
 
 
-def test_two_of_one_make_are_told_apart_by_their_frames():
+def test_two_of_one_make_are_distinguished_by_their_frames():
     watch = TwoScanners()
     for frame in ("front", "rear", "front", "rear"):
         watch.see({**FEW, "header": {"frame_id": frame}})
@@ -47,7 +47,7 @@ def test_it_is_over_when_one_of_them_has_ended_for_a_while():
     assert watch.status == ""
 
 
-def test_a_change_back_after_a_long_time_is_no_second_scanner():
+def test_a_change_back_after_a_long_time_is_not_a_second_scanner():
     now = [0.0]
     watch = TwoScanners(lambda: now[0])
     for message in (FEW, MANY, FEW):
@@ -56,7 +56,7 @@ def test_a_change_back_after_a_long_time_is_no_second_scanner():
     assert watch.status == ""
 
 
-def test_what_is_no_scan_does_not_count():
+def test_what_is_not_a_scan_does_not_count():
     watch = TwoScanners()
     for message in (FEW, twist(0.1), {"ranges": 3}, "scan", FEW):
         watch.see(message)

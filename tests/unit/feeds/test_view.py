@@ -28,7 +28,7 @@ Opened = Callable[..., tuple[Feed, Scripted]]
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
-    """Opens feeds on a script, which wait in vain for a moment only, and closes them."""
+    """Opens feeds on a script, with a short wait for subscribers that never come, and closes them."""
     monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
     there: list[Feed] = []
 
@@ -111,7 +111,7 @@ def test_a_commanded_speed_that_comes_first_joins_the_measured_one(opened: Opene
     assert view.widgets["/odom"].commanded.linear[0] == 0.3
 
 
-def test_named_topics_get_theirs_when_they_appear_and_others_none(opened: Opened) -> None:
+def test_named_topics_get_widgets_when_they_appear_and_others_do_not(opened: Opened) -> None:
     feed, script = opened(ODOM, IMU)
     view = feed.show("/odom", "/scna", "/imu")
     assert on_page(view) == ["/odom", "/odom", "/imu"]
@@ -237,7 +237,7 @@ def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() 
             "rw-smalls": low,
             "rw-wides": ["View", "LaserWidget"],
         }
-        assert view.children[-1] is before, "what stays on the page keeps its place"
+        assert view.children[-1] is before, "everything on the page keeps its place"
         screen, room = before, view.room
         assert room is not None
         view.close()
@@ -245,7 +245,7 @@ def test_a_simulated_robot_is_shown_in_its_room_which_makes_way_for_a_machine() 
         assert room.comm is None
 
 
-def test_a_widget_that_somebody_closed_is_left_out_and_in_the_way_of_nothing(opened: Opened) -> None:
+def test_a_closed_widget_is_left_out_and_disturbs_nothing(opened: Opened) -> None:
     feed, script = opened(SCAN, ODOM)
     view = feed.show()
     view.widgets["/scan"].close()
@@ -256,7 +256,7 @@ def test_a_widget_that_somebody_closed_is_left_out_and_in_the_way_of_nothing(ope
     assert view.comm is None
 
 
-def test_speeds_are_planar_for_as_long_as_the_other_axes_are_zero_and_nobody_says_otherwise(opened: Opened) -> None:
+def test_speeds_are_planar_while_the_other_axes_are_zero_unless_set_otherwise(opened: Opened) -> None:
     feed, script = opened(ODOM, CMD_VEL)
     view, by_hand = feed.show(), feed.show()
     flat, climbing = Speed((0.2, 0.1, 0), (0, 0, 0.5)), Speed((0.2, 0, 0.01), (0, 0, 0))
@@ -271,7 +271,7 @@ def test_speeds_are_planar_for_as_long_as_the_other_axes_are_zero_and_nobody_say
     assert by_hand.widgets["/odom"].planar
     view.widgets["/odom"].planar = True
     script.listener.on_message("/odom", climbing)
-    assert view.widgets["/odom"].planar, "now it is the user's"
+    assert view.widgets["/odom"].planar, "now the user owns it"
     commanded = feed.show()
     script.listener.on_message("/cmd_vel", climbing)
     assert not commanded.widgets["/odom"].planar
@@ -287,7 +287,7 @@ def test_the_bar_freezes_the_group_of_the_view(opened: Opened) -> None:
     assert bar._together == laser._together == view.widgets["/bumper"]._together
 
 
-def test_types_of_unknown_names_are_told_by_their_first_message(opened: Opened) -> None:
+def test_types_of_unknown_names_are_known_from_their_first_message(opened: Opened) -> None:
     ours = [SCAN._replace(name=f"/{name}", type=f"my_msgs/msg/{name}") for name in ("scan", "cmd", "state")]
     sonars = [Advert(name, "sensor_msgs/msg/Range") for name in ("/sonar", "/cliff")]
     feed, script = opened(*ours, *sonars, IMU, Advert("/untyped", ""))
@@ -311,7 +311,7 @@ def test_types_of_unknown_names_are_told_by_their_first_message(opened: Opened) 
     assert {topic for what, topic in script.asked if what == "unsubscribe"} == {t for _, t in script.asked}
 
 
-def test_words_of_others_are_no_markup(opened: Opened) -> None:
+def test_texts_of_others_are_not_markup(opened: Opened) -> None:
     feed, script = opened(connected=False)
     view = feed.show()
     script.listener.on_lost("<img src=x onerror=alert(1)>", 1.0)
@@ -319,7 +319,7 @@ def test_words_of_others_are_no_markup(opened: Opened) -> None:
     assert "&lt;img" in words(view)
 
 
-def test_a_connection_that_is_lost_is_told_by_the_widgets_themselves(opened: Opened) -> None:
+def test_a_connection_that_is_lost_is_reported_by_the_widgets_themselves(opened: Opened) -> None:
     feed, script = opened(SCAN)
     view = feed.show()
     script.listener.on_lost("refused", 1.0)
@@ -327,7 +327,7 @@ def test_a_connection_that_is_lost_is_told_by_the_widgets_themselves(opened: Ope
     assert view.widgets["/scan"]._source["status"] == "connection lost, trying again in 1 s: refused"
 
 
-def test_the_cell_of_a_view_beside_the_notebook_shows_a_bar_which_is_closed_with_the_view(opened: Opened) -> None:
+def test_the_cell_of_a_view_next_to_the_notebook_shows_a_bar_which_is_closed_with_the_view(opened: Opened) -> None:
     feed, _ = opened(SCAN)
     shown = "application/vnd.jupyter.widget-view+json"
     here, view = feed.show(), feed.show(beside=True)
@@ -377,7 +377,7 @@ def test_a_feed_that_is_closed_while_its_topics_come_puts_up_nothing(
     assert words(view) == "the feed is closed"
 
 
-def test_a_feed_that_is_closed_says_so_where_there_is_no_widget(opened: Opened) -> None:
+def test_a_closed_feed_reports_it_if_there_is_no_widget(opened: Opened) -> None:
     feed, _ = opened()
     view = feed.show()
     feed.close()
@@ -388,7 +388,7 @@ def test_a_feed_that_is_closed_says_so_where_there_is_no_widget(opened: Opened) 
         feed.show(["/scan"])  # type: ignore[arg-type]
 
 
-def test_a_topic_whose_messages_cannot_be_read_and_whose_widget_they_would_tell_is_told(opened: Opened) -> None:
+def test_a_topic_with_unreadable_messages_that_would_decide_its_widget_is_reported(opened: Opened) -> None:
     feed, script = opened(SCAN, Advert("/range", "sensor_msgs/msg/Range"))
     view = feed.show()
     script.listener.on_trouble("/range", "a message of /range cannot be read: 3 bytes are too few")

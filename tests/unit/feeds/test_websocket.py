@@ -26,14 +26,14 @@ from .ears import Ears
 from .fox import OldFoxglove, cdr, channel
 from .servers import Server, free_port
 
-# A connection does the same whatever is spoken on it: here it is foxglove.
+# A connection behaves the same with every protocol: here it is foxglove.
 
 TICK = 1 / 1024
-"""Seconds of which times are added without rounding."""
+"""Seconds, for times that add without rounding."""
 
 TWIST = "geometry_msgs/msg/Twist"
 TAKES: dict[str, Any] = {"capabilities": ["clientPublish"], "supportedEncodings": ["json"]}
-"""What a server says that takes messages."""
+"""The greeting of a server that takes messages."""
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def scanning(ears: Ears) -> Iterator[tuple[OldFoxglove, Foxglove]]:
 
 
 class Raw:
-    """A listening socket whose connections are handed to a function, in a thread of their own each."""
+    """A listening socket that passes each connection to a function in its own thread."""
 
     def __init__(self, answer: Callable[[socket.socket], object]) -> None:
         self._listening = socket.create_server(("127.0.0.1", 0))
@@ -96,13 +96,13 @@ class Raw:
 
 
 @pytest.mark.parametrize("address", ["robot", "http://robot:8765", "ws://", "ws://robot:x", " ws://robot", "ws://a\nb"])
-def test_an_address_that_is_none_is_refused_with_one_that_is(address: str) -> None:
+def test_an_invalid_address_is_refused_with_a_valid_one(address: str) -> None:
     words = r"address: expected one like ws://192.168.1.5:8765 \(wss:// for an encrypted one\), got "
     with pytest.raises(ValueError, match=words):
         Foxglove(address)
 
 
-def test_an_address_that_is_no_text_is_refused() -> None:
+def test_an_address_that_is_not_a_text_is_refused() -> None:
     with pytest.raises(TypeError, match=r"address: expected one like ws://192.168.1.5:8765, got 8765"):
         Foxglove(8765)  # type: ignore[arg-type]
 
@@ -132,7 +132,7 @@ def test_it_may_be_closed_in_a_callback(scanning: tuple[OldFoxglove, Foxglove], 
     assert ears.lost == []
 
 
-def test_an_attempt_that_nobody_answers_says_what_to_compare_while_it_goes_on(ears: Ears, clock: ManualClock) -> None:
+def test_an_unanswered_attempt_shows_what_to_compare_while_it_goes_on(ears: Ears, clock: ManualClock) -> None:
     with Raw(lambda taken: taken.recv(1)) as silent:
         middleware = Foxglove(silent.address, clock)
         middleware.open(ears)
@@ -164,7 +164,7 @@ def test_a_connection_that_is_cut_is_made_again_and_what_was_asked_for_comes(
     assert ears.connected == 2
 
 
-def test_a_robot_that_says_goodbye_is_quoted(scanning: tuple[OldFoxglove, Foxglove], ears: Ears) -> None:
+def test_the_farewell_of_a_robot_is_quoted(scanning: tuple[OldFoxglove, Foxglove], ears: Ears) -> None:
     server, _ = scanning
     server._loop.call_soon_threadsafe(lambda: server.clients[0].close(1001, "battery\nlow"))
     wait_for(lambda: ears.lost, "it was lost")
@@ -221,9 +221,9 @@ def taking(ears: Ears, clock: ManualClock) -> Iterator[tuple[OldFoxglove, Foxglo
 
 
 def late(middleware: Foxglove, clock: ManualClock, fields: dict[str, Any]) -> Exception | None:
-    """What is said of a message that is published, but not taken or answered until `SEND_TIMEOUT` has passed.
+    """Return the error of a message that is published, but not taken or answered until `SEND_TIMEOUT` has passed.
 
-    None where it was taken without any time.
+    None if it was taken at once.
     """
     errors: list[Exception] = []
 
@@ -266,11 +266,11 @@ def test_a_zero_that_a_new_publisher_of_the_bridge_may_lose_is_repeated_unless_a
     middleware.publish("/other/cmd_vel", TWIST, zero)
     middleware.publish("/other/cmd_vel", TWIST, speed)
     clock.advance(0.6)
-    middleware.publish("/cmd_vel", TWIST, zero)  # it comes behind all that was sent before
+    middleware.publish("/cmd_vel", TWIST, zero)  # it comes after everything sent before
     assert sent(server) == [zero, zero, zero, zero, speed, zero]
 
 
-def test_to_a_robot_that_does_not_answer_a_zero_is_sent_and_said_not_to_be_answered(
+def test_to_a_robot_that_does_not_answer_a_zero_is_sent_and_reported_as_unanswered(
     taking: tuple[OldFoxglove, Foxglove], clock: ManualClock
 ) -> None:
     server, middleware = taking
@@ -283,7 +283,7 @@ def test_to_a_robot_that_does_not_answer_a_zero_is_sent_and_said_not_to_be_answe
 
 
 def refusal(middleware: Foxglove, fields: dict[str, Any]) -> str:
-    """Why something could not be published; empty when it could."""
+    """The reason why something could not be published, or an empty text."""
     try:
         middleware.publish("/cmd_vel", TWIST, fields)
     except FeedError as error:
@@ -308,11 +308,11 @@ def test_to_a_robot_that_has_not_answered_for_a_second_no_speed_is_sent(
     assert [message["linear"]["x"] for message in sent(server)] == [*(1.0 + i for i in range(tried)), 0.0]
 
 
-def test_its_silence_counts_from_the_first_speed_without_an_answer_and_is_told_until_it_answers(
+def test_its_silence_counts_from_the_first_speed_without_an_answer_and_is_reported_until_it_answers(
     taking: tuple[OldFoxglove, Foxglove], ears: Ears, monkeypatch: pytest.MonkeyPatch, clock: ManualClock
 ) -> None:
     server, middleware = taking
-    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1000.0)  # no ping but those of speeds
+    monkeypatch.setattr(_websocket, "ROBOT_GONE", 1000.0)  # only the pings of speeds
     clock.advance(1.0)  # to the end of the interval that began before
     wait_for(lambda: not _unanswered(middleware), "it answered")
     assert refusal(middleware, {"linear": {"x": 1.0}}) == ""
@@ -337,7 +337,7 @@ def test_its_silence_counts_from_the_first_speed_without_an_answer_and_is_told_u
     assert {"linear": {"x": 2.0}} not in sent(server)
 
 
-def test_a_connection_that_ends_while_it_is_silent_is_told_by_its_end_alone(
+def test_a_connection_that_ends_while_it_is_silent_is_reported_only_as_ended(
     taking: tuple[OldFoxglove, Foxglove], ears: Ears, clock: ManualClock
 ) -> None:
     server, middleware = taking
@@ -352,7 +352,7 @@ def test_a_connection_that_ends_while_it_is_silent_is_told_by_its_end_alone(
 
 
 def _unanswered(middleware: Foxglove) -> bool:
-    """Whether it is not connected, or a ping waits for its answer."""
+    """True if it is not connected, or a ping waits for its answer."""
     return middleware._socket is None or not middleware._socket.is_open or bool(middleware._socket._unanswered)
 
 
@@ -383,7 +383,7 @@ def follow(server: OldFoxglove, middleware: Foxglove, clock: ManualClock) -> Non
 
 
 PONG = 0xA
-"""Of RFC 6455."""
+"""The accept key of RFC 6455."""
 
 
 def pong_of(server: OldFoxglove) -> Callable[[bytes], object]:
@@ -393,7 +393,7 @@ def pong_of(server: OldFoxglove) -> Callable[[bytes], object]:
 
 @pytest.fixture
 def hung(taking: tuple[OldFoxglove, Foxglove], clock: ManualClock) -> Iterator[tuple[OldFoxglove, Foxglove]]:
-    """A server that still sends scans, and pongs to what it read before, but reads one more message and no ping."""
+    """A server that still sends scans, and pongs for messages read before, but reads one more message and no ping."""
     server, middleware = taking
     follow(server, middleware, clock)
     pings: list[bytes] = []
@@ -480,7 +480,7 @@ def test_closing_takes_half_a_second_while_the_robot_does_not_answer(
     go_on()
 
 
-def test_what_is_published_while_nobody_is_there_is_an_error_and_never_sent(
+def test_publishing_without_a_subscriber_is_an_error_and_never_sent(
     taking: tuple[OldFoxglove, Foxglove], ears: Ears, clock: ManualClock
 ) -> None:
     server, middleware = taking
@@ -532,7 +532,7 @@ def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
     assert [message["i"] for message in sent(server)] == [0, 6]
 
 
-def test_a_server_that_never_answers_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_that_never_answers_is_reported(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_websocket, "CONNECT_TIMEOUT_S", 0.2)
     with Raw(lambda _: None) as server:
         middleware = Foxglove(server.address)
@@ -562,7 +562,7 @@ def test_closing_does_not_wait_for_an_answer(ears: Ears, clock: ManualClock) -> 
         (b"SSH-2.0-OpenSSH_9.2\r\n\r\n", ""),
     ],
 )
-def test_a_server_that_is_no_websocket_server_is_told(
+def test_a_server_that_is_not_a_websocket_server_is_reported(
     answer: bytes, words: str, ears: Ears, clock: ManualClock
 ) -> None:
     def talk(client: socket.socket) -> None:
@@ -577,13 +577,13 @@ def test_a_server_that_is_no_websocket_server_is_told(
         wait_for(lambda: (is_mute and clock.advance(1.0)) or ears.lost, "it gave up")
         close(middleware, clock)
     told = f"{server.address} cannot be connected to: {words}"
-    # Tornado before 6.6, the newest for Python 3.10, waits on where no HTTP comes.
+    # Tornado before 6.6, the newest for Python 3.10, keeps waiting if no HTTP comes.
     silent = f"no answer from {server.address} within 5 s"
     assert ears.lost[0].startswith((told, silent) if is_mute else told)
     assert ears.connected == 0
 
 
-def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_of_another_protocol_is_reported(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_other_bridge, "ANSWER_TIMEOUT_S", 0.1)
     with Server() as server:
         middleware = Foxglove(server.address)
@@ -596,7 +596,7 @@ def test_a_server_of_another_protocol_is_told(ears: Ears, monkeypatch: pytest.Mo
     assert ears.connected == 0
 
 
-def test_a_server_that_answers_too_late_to_be_told_from_others_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_whose_late_answers_cannot_be_matched_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_other_bridge, "ANSWER_TIMEOUT_S", 0.01)
     monkeypatch.setattr(_other_bridge, "_GOODBYE", 120.0)
     leave = _other_bridge.close_when_connected
@@ -612,7 +612,7 @@ def test_a_server_that_answers_too_late_to_be_told_from_others_is_left(monkeypat
         wait_for(lambda: server.opened and not server.clients, "the connection ended")
 
 
-def test_a_name_that_nobody_knows_is_told(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unknown_name_is_reported(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
     def unknown(*_: object, **__: object) -> None:
         raise socket.gaierror(-2, "Name or service not known")
 
@@ -665,7 +665,7 @@ def test_twenty_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears: E
 
 
 class TickingClock(RealClock):
-    """A clock by which it takes half a millisecond to look at it."""
+    """A clock whose reading takes half a millisecond."""
 
     def __init__(self) -> None:
         self._looks = itertools.count()
@@ -694,7 +694,7 @@ def test_frames_that_wait_hold_up_every_other_call_in_the_thread_for_five_millis
         server.log(1, last)
         wait_for(lambda: float(ears.messages[-1][1].ranges[0]) == 7.0, "all are read")
         middleware.close()
-    # They are decoded by a call like any other: some ten frames were read between two of these.
+    # They are decoded in a call like any other: about ten frames were read between two of these.
     assert len(ears.messages) > 12
 
 

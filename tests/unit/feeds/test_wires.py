@@ -1,4 +1,4 @@
-"""The wires of a feed: who publishes what, rates and values, the notebook's part, and what it costs the robot."""
+"""The wires of a feed: publishers, rates and values, the notebook's part, and the cost for the robot."""
 
 from __future__ import annotations
 
@@ -86,13 +86,13 @@ def test_a_robot_that_tells_no_nodes_shows_topics_alone_and_says_so(script: Scri
     assert wires.wiring.note == "requesting publishers and subscribers: 1 of 2 topics so far"
 
 
-def test_rates_and_values_come_while_somebody_looks_and_cost_nothing_after(
+def test_rates_and_values_come_while_a_page_looks_and_cost_nothing_after(
     script: Scripted, wires: FeedWires, clock: ManualClock
 ) -> None:
     assert (script.asked, script.asks_for_nodes) == ([], False)
     wires.look(True)
     clock.advance()
-    # A picture is large: a glance at it has to do. And nobody reads in a line what every node has.
+    # A picture is large: one look at it has to be enough. Topics that every node has are not worth a line.
     assert (set(script.asked), script.asks_for_nodes) == ({("subscribe", "/scan"), ("subscribe", "/image")}, True)
     for _ in range(11):
         script.listener.on_message("/scan", scan(0.9, 0.5))
@@ -132,7 +132,7 @@ def test_a_page_that_has_gone_without_a_word_is_forgotten(
     assert "/scan" in script._followed
 
 
-def test_of_many_topics_some_are_listened_to_beside_those_that_are_connected(
+def test_some_of_many_topics_are_listened_to_in_addition_to_connected_ones(
     script: Scripted, feed: Feed, wires: FeedWires, clock: ManualClock
 ) -> None:
     script.listener.on_topics([CAMERA, *(Advert(f"/number_{i}", NUMBER) for i in range(200))])
@@ -181,7 +181,7 @@ def test_the_notebooks_part_says_how_often_it_ran_and_what_it_got_and_gave(
     laser.close()
 
 
-def test_a_function_that_raises_is_told_with_its_line(script: Scripted, feed: Feed, wires: FeedWires) -> None:
+def test_a_function_that_raises_is_reported_with_its_line(script: Scripted, feed: Feed, wires: FeedWires) -> None:
     def fails(sample: Any) -> None:
         raise ValueError("no wall")
 
@@ -191,7 +191,7 @@ def test_a_function_that_raises_is_told_with_its_line(script: Scripted, feed: Fe
     assert "ValueError: no wall" in parts(wires, "function")[0].problem
 
 
-def test_the_program_and_the_speeds_that_come_out_are_told(script: Scripted, feed: Feed, wires: FeedWires) -> None:
+def test_the_program_and_the_speeds_that_come_out_are_reported(script: Scripted, feed: Feed, wires: FeedWires) -> None:
     assert parts(wires, "program") == parts(wires, "speeds") == []
 
     @feed.program(on="/scan")
@@ -233,7 +233,7 @@ def test_a_topic_that_only_the_notebook_names_is_there_too(feed: Feed, wires: Fe
         ("/my_action/feedback", False),
     ],
 )
-def test_infrastructure_is_told_by_the_name(name: str, is_one: bool) -> None:
+def test_infrastructure_is_reported_by_the_name(name: str, is_one: bool) -> None:
     assert is_infrastructure(name) is is_one
 
 

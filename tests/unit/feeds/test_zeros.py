@@ -1,4 +1,4 @@
-"""Which zeros are published again, and when."""
+"""Repeated zeros: which ones are published again, and when."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..clocks import ManualClock
 
 
 class Sent:
-    """A topic with subscribers, on which a speed and a zero were published, and when zero is due again."""
+    """A topic with subscribers and a published speed and zero; the time at which zero is due again."""
 
     def __init__(self, subscribers: int = 1) -> None:
         self.clock = ManualClock(0.0)
@@ -20,7 +20,7 @@ class Sent:
         self.zeros.note_zero("/cmd_vel", "Twist", "zero", subscribers)
 
     def due(self, seconds: float, subscribers: int = 1, *, all_confirm: bool = False) -> list[float]:
-        """Look for some seconds; the times at which zero was due."""
+        """Look for some seconds; return the times at which zero was due."""
         times = []
         end = self.clock.now() + seconds
         while self.clock.now() < end:
@@ -32,7 +32,7 @@ class Sent:
         return times
 
 
-def test_zero_is_due_again_some_times_where_nobody_confirms_it() -> None:
+def test_zero_is_due_again_several_times_if_it_is_not_confirmed() -> None:
     assert Sent().due(100.0) == list(AGAIN)
     assert Sent().due(100.0, all_confirm=True) == []
 
@@ -44,7 +44,7 @@ def test_zero_is_due_again_when_a_subscriber_comes_however_late() -> None:
     assert sent.due(60.0, 2) == [1020, *(1020 + pause for pause in AGAIN)]
 
 
-def test_zero_is_not_due_again_when_for_a_while_nobody_was_missing() -> None:
+def test_zero_is_not_due_again_after_a_while_without_missing_subscribers() -> None:
     sent = Sent()
     assert sent.due(RECENT + 1, all_confirm=True) == []
     assert sent.due(100.0, 2) == []
@@ -64,7 +64,7 @@ def test_a_zero_without_a_speed_before_it_is_not_due_again() -> None:
 
 
 @pytest.mark.parametrize("heard", [True, False])
-def test_a_zero_is_unheard_for_a_while_when_nobody_is_left_of_those_who_heard_a_speed(heard: bool) -> None:
+def test_a_zero_counts_as_unheard_for_a_while_when_no_subscriber_of_the_speed_is_left(heard: bool) -> None:
     sent = Sent(int(heard))
     assert not sent.zeros.is_unheard("/cmd_vel", 1)
     assert sent.zeros.is_unheard("/cmd_vel", 0) == heard

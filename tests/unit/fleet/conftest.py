@@ -1,4 +1,4 @@
-"""What the tests of many recordings share."""
+"""Fixtures for the tests of many recordings."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import robowidgets
 
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Results are kept in a folder of the test's own."""
+    """Keep results in a folder of the test's own."""
     folder = tmp_path_factory.mktemp("cache")
     monkeypatch.setenv("ROBOWIDGETS_CACHE", str(folder))
     return folder
@@ -20,7 +20,7 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monk
 
 @pytest.fixture
 def runs(tmp_path: Path) -> Path:
-    """A folder with three copies of the sample, one of them deeper, and a file that is none."""
+    """A folder with three copies of the sample, one of them deeper, and a file that is not a recording."""
     folder = tmp_path / "runs"
     (folder / "monday").mkdir(parents=True)
     for name in ("run_2.mcap", "run_10.mcap", "monday/run_1.mcap"):

@@ -9,11 +9,11 @@ from typing import Any
 
 
 class Here:
-    """Runs what it is given in this process, and counts it.
+    """Runs tasks in this process, and counts them.
 
     Args:
-        breaks_after: after how many it breaks.
-        gives_up: part of the path of one that it gives up, as a cluster does whose workers it killed.
+        breaks_after: number of tasks after which it breaks.
+        gives_up: part of the path of a task that it gives up, as a cluster does if the task killed its workers.
     """
 
     def __init__(self, breaks_after: int | None = None, gives_up: str = "") -> None:

@@ -1,4 +1,4 @@
-"""Searches of recordings whose message definitions are given afterwards."""
+"""Searches of recordings whose message definitions are added afterwards."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOW = conditions.field("/status.charge") < 0.25
 
 @pytest.fixture
 def unknown(tmp_path: Path) -> Path:
-    """A folder with two databases as ROS 2 Humble writes them: the definitions of the messages are not in them."""
+    """A folder with two databases as ROS 2 Humble writes them: without the definitions of the messages."""
     for name in ("a", "b"):
         add_definitions(STATUS)
         messages = [(i / 10, "/status", {"charge": i / 10}) for i in range(10)]
@@ -54,7 +54,7 @@ def test_the_processes_of_a_search_have_the_definitions_that_were_added(unknown:
 
 
 def test_what_could_not_be_searched_is_read_again(unknown: Path, tmp_path: Path) -> None:
-    """A workspace that is built anew has definitions at the place where it had none."""
+    """A rebuilt workspace has definitions that it had not before."""
     assert len(find(LOW, unknown / "a").unread) == 1
     package = tmp_path / "install" / "share" / "my_msgs" / "msg"
     package.mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""The index of many recordings, and what a search reads by it."""
+"""The index of many recordings, and the recordings that a search reads with it."""
 
 from __future__ import annotations
 
@@ -83,11 +83,11 @@ def test_only_recordings_in_which_it_may_have_been_are_read(runs: Path, output: 
     assert len(here.ran) == 4
     here = Here()
     hits = there.find(NEVER & (lambda scan: scan.ranges[0] > 0), executor=here)  # type: ignore[operator]
-    assert here.ran == [str(runs / "broken.bag")]  # it may be whole now
+    assert here.ran == [str(runs / "broken.bag")]  # it may be complete now
     assert "by the index 3 files had no such moment" in repr(hits)
     os.utime(runs / "run_10.mcap", (1, 1))
     assert there.candidates(NEVER) == [str(runs / "broken.bag"), str(runs / "run_10.mcap")]
-    assert len(there.candidates(conditions.touched("nose"))) == 4  # which sensors there are is told by the search
+    assert len(there.candidates(conditions.touched("nose"))) == 4  # the search reports the available sensors
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,7 @@ def test_a_full_disk_leaves_the_earlier_index(runs: Path, output: Path) -> None:
     assert [path.name for path in output.parent.iterdir() if "part" in path.suffix] == []
 
 
-def test_what_is_no_index_is_refused_with_what_writes_one(tmp_path: Path) -> None:
+def test_what_is_not_an_index_is_refused_with_what_writes_one(tmp_path: Path) -> None:
     import pyarrow
     import pyarrow.parquet
 

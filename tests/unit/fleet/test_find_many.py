@@ -51,7 +51,7 @@ def loop(files: list[Path], condition: Any) -> list[tuple[Any, ...]]:
 @pytest.mark.parametrize(
     ("condition", "folder"), [(NEAR, ""), (conditions.touched(), "good"), (conditions.gap(1.0), "good")], ids=str
 )
-def test_the_rows_of_real_recordings_are_those_of_single_searches(condition: Any, folder: str) -> None:
+def test_the_rows_of_real_recordings_match_single_searches(condition: Any, folder: str) -> None:
     hits = find(condition, DATA / folder, executor=Here())
     unsure = {*hits.chosen, *(one.file for one in hits.unread)}
     alone = [Path(file) for file in hits.files if file not in unsure]
@@ -64,7 +64,7 @@ def test_a_search_for_the_same_reads_no_recording_again_unless_it_changed(runs: 
     hits = find(NEAR, runs, executor=first)
     again = find(conditions.nearest_below(0.3), runs, executor=second)
     assert (len(first.ran), rows(again)) == (4, rows(hits))
-    assert second.ran == [str(runs / "broken.bag")]  # it may be whole the next time
+    assert second.ran == [str(runs / "broken.bag")]  # it may be complete the next time
     os.utime(runs / "run_2.mcap", (1, 1))
     find(NEAR, runs, executor=third)
     assert third.ran == [str(runs / "broken.bag"), str(runs / "run_2.mcap")]
@@ -84,7 +84,7 @@ def test_what_was_kept_holds_for_the_same_condition_alone(runs: Path) -> None:
     assert ran(NEAR) == 0
 
 
-def test_what_cannot_be_kept_is_told_and_loses_nothing(
+def test_what_cannot_be_kept_is_reported_and_loses_nothing(
     runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "no_folder").write_text("")
@@ -98,7 +98,7 @@ def test_what_cannot_be_kept_is_told_and_loses_nothing(
 def test_a_line_that_was_cut_as_it_was_kept_is_computed_again(runs: Path, own_cache: Path) -> None:
     hits = find(NEAR, runs / "run_2.mcap", runs / "run_10.mcap", executor=Here())
     (kept,) = (own_cache / "find").iterdir()
-    # Recordings are kept in the order in which they were done.
+    # Results are saved in the order in which recordings are done.
     state, _ = json.loads(kept.read_bytes().splitlines()[-1].partition(b" ")[2])
     kept.write_bytes(kept.read_bytes()[:-20])
     here = Here()
@@ -123,14 +123,14 @@ RELEASED = Event()
 
 
 def _interrupts_once(moment: Any) -> bool:
-    """Interrupt the main thread while one of the recordings is read."""
+    """Interrupt the main thread while it reads one of the recordings."""
     if "run_10.mcap" in _read() and not RELEASED.is_set():
         os.kill(os.getpid(), SIGINT)
         RELEASED.wait()
     return bool(moment.scan.distance() < 0.3)
 
 
-def test_who_waits_for_recordings_that_take_long_is_called_meanwhile() -> None:
+def test_callers_waiting_for_slow_recordings_are_called_meanwhile() -> None:
     with ThreadPoolExecutor(1) as threads:
         assert [*each(_waits_for_a_call, ["a.mcap"], threads, idle=CALLED.set)] == [Done("a.mcap", True)]
 
@@ -172,7 +172,7 @@ def _killer(moment: Any) -> bool:
 
 
 def _read() -> set[str]:
-    """The names of the recordings that are read by what calls this."""
+    """Yield the names of the recordings that are read within the block."""
     found, frame = set(), sys._getframe()
     while frame.f_back is not None:
         frame = frame.f_back
@@ -188,7 +188,7 @@ def stuck(scan):
 
 
 def made(text: str, name: str) -> Any:
-    """A function as a cell of a notebook makes it, which is sent to processes by value."""
+    """A function like one from a cell of a notebook, which is sent to processes by value."""
     names: dict[str, Any] = {"__name__": "__main__"}
     exec(text, names)
     return names[name]
@@ -303,7 +303,7 @@ def test_a_function_that_fails_names_the_recording_and_the_time(runs: Path) -> N
 
 
 @pytest.mark.slow
-def test_the_rows_are_those_of_single_searches_in_the_processes_of_a_script_that_need_not_ask_for_its_name(
+def test_the_rows_match_single_searches_in_the_processes_of_a_script_without_a_main_guard(
     runs: Path, tmp_path: Path
 ) -> None:
     script = tmp_path / "search.py"
@@ -393,7 +393,7 @@ def test_files_and_urls_which_have_no_folder_in_common_are_named_whole() -> None
 
 
 @pytest.mark.parametrize("executor", [3, object()])
-def test_what_has_no_submit_is_no_executor(runs: Path, executor: Any) -> None:
+def test_an_object_without_submit_is_not_an_executor(runs: Path, executor: Any) -> None:
     with pytest.raises(TypeError, match=r"executor: expected an object with submit\(\)"):
         find(NEAR, runs, executor=executor)
 
@@ -419,7 +419,7 @@ def test_the_command_prints_a_line_for_each_span_of_several_recordings(
     assert main(["find", str(runs / "run_2.mcap"), "--nearest-below", "0.001"]) == 1
 
 
-def test_the_command_exits_with_2_where_no_recording_could_be_searched(
+def test_the_command_exits_with_2_if_no_recording_could_be_searched(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["find", str(tmp_path / "a.bag"), str(tmp_path / "b.bag"), "--touched"]) == 2

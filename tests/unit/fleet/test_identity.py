@@ -1,4 +1,4 @@
-"""The text by which kept results are found again."""
+"""The keys under which saved results are found again."""
 
 from __future__ import annotations
 

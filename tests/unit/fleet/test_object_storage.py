@@ -1,4 +1,4 @@
-"""Recordings in object storage: a real server of S3, on this machine."""
+"""Recordings in object storage: a real S3 server on this machine."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_many_recordings_give_the_rows_of_the_same_files_here(bucket: Any, tmp_p
     data, here = SAMPLE.read_bytes(), tmp_path / "runs"
     here.mkdir()
     for number in range(MANY):
-        part = data if number % 3 else data[: len(data) * 2 // 3]  # some of which were cut
+        part = data if number % 3 else data[: len(data) * 2 // 3]  # some of them were cut off
         (here / f"{number:03}.mcap").write_bytes(part)
         bucket.put_object(Key=f"runs/{number:03}.mcap", Body=part)
     bucket.put_object(Key="runs/notes.txt", Body=b"of the drives")
@@ -76,7 +76,7 @@ def test_many_recordings_give_the_rows_of_the_same_files_here(bucket: Any, tmp_p
     ]
     assert there[0].file == "s3://drives/runs/000.mcap"
     assert len(copies(tmp_path)) == MANY
-    # What did not change is neither fetched nor read again; a prefix is a folder.
+    # Unchanged files are neither fetched nor read again; a prefix is a folder.
     for copy in copies(tmp_path):
         copy.unlink()
     assert [*robowidgets.find(NEAR, "s3://drives/runs")] == [*there]
@@ -103,7 +103,7 @@ def test_what_cannot_be_read_becomes_a_row_and_stops_nothing(bucket: Any) -> Non
     assert "s3://none/*.mcap" in problems
 
 
-def test_no_permission_is_told(bucket: Any) -> None:
+def test_no_permission_is_reported(bucket: Any) -> None:
     from moto.core import set_initial_no_auth_action_count
 
     bucket.put_object(Key="drive.mcap", Body=SAMPLE.read_bytes())

@@ -1,4 +1,4 @@
-"""Which recordings some paths name."""
+"""The recordings that paths name."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_the_metadata_of_a_folder_names_the_folder(tmp_path: Path) -> None:
     assert places_of([tmp_path / "metadata.yaml", tmp_path]) == [NamedPath(tmp_path)]
 
 
-def test_logs_of_other_programs_are_no_recordings(tmp_path: Path) -> None:
+def test_logs_of_other_programs_are_not_recordings(tmp_path: Path) -> None:
     (tmp_path / "roslaunch.log").write_text("started core service\n")
     (tmp_path / "carmen.log").write_text("# a comment\nODOM 0 0 0 0 0 0 1.0 host 1.0\n")
     assert places_of([tmp_path]) == [NamedPath(tmp_path / "carmen.log")]
@@ -56,7 +56,7 @@ def test_logs_of_other_programs_are_no_recordings(tmp_path: Path) -> None:
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs the recordings of real robots")
 def test_the_parts_of_a_recording_are_one(tmp_path: Path) -> None:
     parts = next(folder for folder in (DATA / "odd").iterdir() if folder.name == "mcap_multiple_files_no_metadata")
-    (tmp_path / "split").symlink_to(parts)  # the folder that is named may be a link
+    (tmp_path / "split").symlink_to(parts)  # the named folder may be a link
     assert places_of([tmp_path / "split"]) == [NamedPath(tmp_path / "split")]
 
 
@@ -73,7 +73,7 @@ def test_a_folder_names_bags_of_killed_recorders_and_those_in_capital_letters(tm
     assert [place.path.name for place in places_of([tmp_path])] == names
 
 
-def test_the_last_part_of_a_bag_may_be_that_of_a_killed_recorder(tmp_path: Path) -> None:
+def test_the_last_part_of_a_bag_may_be_from_a_killed_recorder(tmp_path: Path) -> None:
     held = messages(60)
     write_bag(tmp_path / "drive_0.bag", held[:30])
     write_bag(tmp_path / "drive_1.bag.active", held[30:])

@@ -1,4 +1,4 @@
-"""The contact sheet: its pictures, in which order they are sent, and what a click opens."""
+"""The contact sheet: its pictures, their order, and the effect of a click."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NEAR = conditions.nearest_below(0.3)
 
 
 class Scheduler:
-    """Does turns when a test says so."""
+    """Does turns on demand."""
 
     class clock:  # noqa: N801
         now = staticmethod(lambda: 0.0)
@@ -60,7 +60,7 @@ def sheet(hits: Hits) -> Iterator[Sheet]:
 
 
 def of(wanted: Any) -> list[Thumbnail]:
-    """The first pictures of what is found in the sample."""
+    """The first pictures of a search in the sample."""
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         found = find(wanted, robowidgets.SAMPLE, executor=Here())
         return list(made(recording, found, wanted))
@@ -107,7 +107,7 @@ def test_a_hit_shows_what_its_condition_looked_at(wanted: Any, form: int, words:
     assert (first.form, first.words) == (form, words)
 
 
-def test_the_page_unpacks_what_is_packed() -> None:
+def test_the_page_unpacks_packed_content() -> None:
     rays = Thumbnail(RAYS, np.array([100, 0x8004, 0], "<u2"), (0.5, 0.125), 0.002, "facts").pack(5)
     line = Thumbnail(LINE, np.array([1.0, 0.1], "<f4"), (-1.0, 10.0)).pack(7)
     known = "".join(re.findall(r'"([0-9a-f]+)"', JS.read_text(encoding="utf-8").split("PACKED =")[1].split(";")[0]))
@@ -131,7 +131,7 @@ def test_what_a_page_looks_at_comes_first_by_its_newest_word_and_then_all_others
     scheduler = Scheduler()
     sender = PictureSender(lambda packed: sent.append(numbers(packed)), held.append, NEAR, scheduler)  # type: ignore[arg-type]
     sender.set_hits(hits)
-    assert scheduler.turn is None  # nobody looks
+    assert scheduler.turn is None  # no page looks
     sender.look([20, 0])
     assert scheduler.turn
     scheduler.turn()
@@ -186,7 +186,7 @@ def test_a_click_opens_the_player_at_the_moment_with_all_moments_of_the_file_mar
     assert sheet.widget._opened == 0
 
 
-def test_a_moment_whose_file_is_gone_is_told_and_the_open_one_stays(sheet: Sheet, hits: Hits) -> None:
+def test_a_moment_whose_file_is_gone_is_reported_and_the_open_one_stays(sheet: Sheet, hits: Hits) -> None:
     sheet.open_hit(0)
     player = sheet.player
     last = len(hits) - 1
@@ -196,7 +196,7 @@ def test_a_moment_whose_file_is_gone_is_told_and_the_open_one_stays(sheet: Sheet
     assert sheet.player is player
 
 
-def test_what_a_person_picked_and_marked_is_there_for_the_program(sheet: Sheet, hits: Hits) -> None:
+def test_the_program_gets_picked_and_marked_moments(sheet: Sheet, hits: Hits) -> None:
     assert sheet.picked is None
     sheet.widget.picked = 3
     sheet.widget.false_finds = [1, 3]
@@ -204,14 +204,14 @@ def test_what_a_person_picked_and_marked_is_there_for_the_program(sheet: Sheet, 
     assert sheet.false_finds == [hits[1], hits[3]]
 
 
-def test_a_name_that_a_person_gives_a_moment_is_kept_beside_its_recording(sheet: Sheet, hits: Hits) -> None:
+def test_a_label_that_the_user_gives_a_moment_is_saved_next_to_its_recording(sheet: Sheet, hits: Hits) -> None:
     sheet.widget._on_page(sheet.widget, {"label": [2, " door "]}, [])
     assert sheet.widget.labels == {"2": "door"}
     with robowidgets.open(hits[2].file) as recording:
         assert [one[:3] for one in recording.labels] == [("door", hits[2].start, hits[2].end)]
         sheet.widget._on_page(sheet.widget, {"label": [3, " "]}, [])
         assert "expected a name" in sheet.widget._status
-        # Another name takes its place, and none takes it away.
+        # Another name replaces it, and an empty one removes it.
         sheet.widget._on_page(sheet.widget, {"label": [2, "wall"]}, [])
         assert [one.label for one in recording.labels] == ["wall"]
         assert sheet.widget._status == ""
@@ -220,7 +220,7 @@ def test_a_name_that_a_person_gives_a_moment_is_kept_beside_its_recording(sheet:
     assert sheet.widget.labels == {}
 
 
-def test_a_sheet_has_the_names_that_spans_were_given_before_and_those_of_its_player(sheet: Sheet, hits: Hits) -> None:
+def test_a_sheet_has_the_earlier_labels_of_spans_and_the_labels_of_its_player(sheet: Sheet, hits: Hits) -> None:
     with robowidgets.open(hits[1].file) as recording:
         recording.label("door", hits[1].start, hits[1].end)
         recording.label("elsewhere", hits[1].start, hits[1].end + 1)

@@ -1,4 +1,4 @@
-"""What tells whether a recording has changed."""
+"""The file states that reveal a changed recording."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robowidgets.repair import RecordingError
 from ..recordings import recorded
 
 
-def test_servers_are_asked_at_once_and_each_answer_is_that_of_its_recording(
+def test_servers_are_asked_at_once_and_each_answer_belongs_to_its_recording(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     together = Barrier(4)  # breaks unless four are asked at once
@@ -43,7 +43,7 @@ def test_servers_are_asked_at_once_and_each_answer_is_that_of_its_recording(
     assert str(robowidgets.SAMPLE.stat().st_size) in (found[str(robowidgets.SAMPLE)].text or "")
 
 
-def test_a_database_whose_recorder_goes_on_writing_beside_it_is_searched_again(tmp_path: Path) -> None:
+def test_a_database_whose_recorder_goes_on_writing_next_to_it_is_searched_again(tmp_path: Path) -> None:
     messages = [(i / 10, "/f", {"data": float(i)}) for i in range(20)]
     folder = recorded.write(tmp_path / "run", {"/f": "std_msgs/msg/Float32"}, messages, StoragePlugin.SQLITE3)
     (database,) = folder.glob("*.db3")

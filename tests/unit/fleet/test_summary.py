@@ -1,4 +1,4 @@
-"""What many recordings are about, and what is wrong with them."""
+"""The content and the problems of many recordings."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_problems_that_differ_by_their_numbers_are_one_kind(runs: Path) -> None:
 
 
 @pytest.mark.parametrize(("command", "code"), [("info", 1), ("doctor", 2)])
-def test_a_command_that_could_read_none_of_several_says_why_of_each_and_fails(
+def test_a_command_that_could_read_none_of_several_files_reports_each_reason_and_fails(
     command: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     files = [str(tmp_path / name) for name in ("a.mcap", "b.mcap")]
@@ -94,7 +94,7 @@ def test_the_commands_take_several_recordings(runs: Path, capsys: pytest.Capture
 
 
 def drive(folder: Path, ways: Iterable[float], speed: float, hz: float = 10.0) -> Path:
-    """A recording of odometry with these places, all of them told with one speed."""
+    """A recording of odometry with these positions, all with the same speed."""
     messages = [
         (
             i / hz,

@@ -1,4 +1,4 @@
-"""Which topic is meant where nobody names one."""
+"""The topic that is meant if the call names none."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_a_function_reads_a_topic_without_a_widget_that_is_named(
     assert [hit.start for hit in both] == [1.2]
 
 
-def test_a_function_that_may_read_no_topic_is_told_so(with_pressure: Callable[..., Path]) -> None:
+def test_a_function_without_a_topic_to_read_is_reported(with_pressure: Callable[..., Path]) -> None:
     path = with_pressure()
     hits = find(is_late, path)
     why = "run has no topic that a widget shows: name the topics that the function reads, as in topics=['/pressure']"

@@ -1,4 +1,4 @@
-"""What a file for Rerun holds, read by Rerun's own reader."""
+"""The content of a file for Rerun, read by Rerun's own reader."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_a_point_for_each_ray_bears_its_index_and_stands_where_the_scan_has_it(
     assert seen > 1000
 
 
-def test_times_are_those_of_the_recording_to_the_nanosecond(drive: Read, recording: Recording) -> None:
+def test_times_match_the_recording_to_the_nanosecond(drive: Read, recording: Recording) -> None:
     rows = drive.rows(SCAN, "recording_time", "message_log_time")
     scans = recording.scans("/scan")
     assert [row[1].value for row in rows] == scans.times_ns.tolist()
@@ -135,7 +135,7 @@ def test_the_path_goes_through_every_pose_of_the_odometry(drive: Read, recording
     assert np.array([row[1][0] for row in robot]) == pytest.approx(np.array(told), abs=1e-5)
 
 
-def test_what_is_not_known_is_said(drive: Read, tmp_path: Path, data: Path) -> None:
+def test_what_is_not_known_is_reported(drive: Read, tmp_path: Path, data: Path) -> None:
     ((text,),) = drive.rows("/notes", "TextDocument:text", static=True)
     assert text == ["The pose of laser on the robot is unknown: its scans are drawn at base_link."]
     with robowidgets.open(data / "good" / "urg_681.bag") as still:
@@ -144,7 +144,7 @@ def test_what_is_not_known_is_said(drive: Read, tmp_path: Path, data: Path) -> N
     assert text == ["Neither odometry nor tf has the pose of the robot: all scans are drawn at one place."]
 
 
-def test_a_mounted_scanner_has_a_pose_of_its_own_and_nothing_to_be_said(tmp_path: Path, data: Path) -> None:
+def test_a_mounted_scanner_has_its_own_pose_and_no_note(tmp_path: Path, data: Path) -> None:
     with robowidgets.open(data / "good" / "neato_fsm") as real:
         real.to_rerun(tmp_path / "neato.rrd", "/scan", "/bump")
     read = Read(tmp_path / "neato.rrd")
@@ -179,7 +179,7 @@ def test_scans_of_several_ray_counts_keep_their_indices(tmp_path: Path, data: Pa
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are texts there")
-def test_a_recording_whose_name_is_no_utf_8_is_written(tmp_path: Path) -> None:
+def test_a_recording_whose_name_is_not_utf_8_is_written(tmp_path: Path) -> None:
     odd = tmp_path / os.fsdecode(b"Fahrt_\xfcber.mcap")
     odd.write_bytes(robowidgets.SAMPLE.read_bytes())
     with robowidgets.open(odd) as recording:
@@ -223,7 +223,7 @@ def test_a_file_is_replaced_when_the_new_one_is_whole(
 
 @pytest.fixture
 def small_disk() -> Iterator[None]:
-    """No file may be longer than 100 kB, as on a disk that has no more room."""
+    """Limit files to 100 kB, as on a full disk."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, before[1]))
     yield
@@ -238,7 +238,7 @@ def test_a_disk_without_room_is_named_as_the_system_names_it(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_errors_are_those_of_show(recording: Recording, tmp_path: Path) -> None:
+def test_errors_match_show(recording: Recording, tmp_path: Path) -> None:
     with pytest.raises(UnknownTopicError, match=r"sample\.mcap has no topic '/scam'"):
         recording.to_rerun(tmp_path / "x.rrd", "/scam")
     assert not (tmp_path / "x.rrd").exists()
@@ -250,7 +250,7 @@ def test_errors_are_those_of_show(recording: Recording, tmp_path: Path) -> None:
         closed.to_rerun(tmp_path / "x.rrd")
 
 
-def test_all_points_of_a_cloud_keep_their_index_and_a_message_that_is_none_is_left_out(tmp_path: Path) -> None:
+def test_all_points_of_a_cloud_keep_their_index_and_an_invalid_message_is_left_out(tmp_path: Path) -> None:
     points = points_of(4, [(axis, "f4") for axis in "xyz"])
     points["x"][1] = np.nan
     good, bad = cloud_message(points), cloud_message(points, data=np.zeros(1, np.uint8))

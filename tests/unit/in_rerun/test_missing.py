@@ -1,4 +1,4 @@
-"""Who does without Rerun is not bothered with it; who asks for it is told what to install."""
+"""Without Rerun installed, everything else works; using it raises an error that names the package to install."""
 
 from __future__ import annotations
 

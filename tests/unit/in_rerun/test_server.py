@@ -1,4 +1,4 @@
-"""The server from which the viewer in a page gets all that it shows."""
+"""The server that sends everything that the viewer in a page shows."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_it_listens_on_this_machine_alone(server: Server) -> None:
     assert urlsplit(server.put("a.rrd", list)).hostname == "127.0.0.1"
 
 
-def test_each_who_asks_gets_the_content_anew_piece_by_piece(server: Server, tmp_path: Path) -> None:
+def test_each_request_gets_the_content_again_piece_by_piece(server: Server, tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(bytes(range(256)) * 10_000)
     address = server.put("b.wasm", lambda: read(tmp_path / "file"))
     with urlopen(address, timeout=240) as answer:
@@ -67,7 +67,7 @@ def test_content_that_breaks_off_does_not_look_whole_and_is_logged(
     assert "the disk is gone" in caplog.text
 
 
-def test_a_page_that_goes_away_is_no_error(server: Server, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_page_that_goes_away_is_not_an_error(server: Server, caplog: pytest.LogCaptureFixture) -> None:
     ended = []
 
     def endless() -> Iterator[bytes]:

@@ -1,4 +1,4 @@
-"""One time for Python and the viewer, which are played here by what each tells the other."""
+"""One time for Python and the viewer; the tests play both by their messages."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ pytest.importorskip("rerun_notebook", reason="Rerun is not installed: pip instal
 
 
 class Viewer:
-    """What stands in a page, as far as a widget can tell."""
+    """The elements in a page, as a widget sees them."""
 
     def __init__(self, widget: RerunWidget) -> None:
         self._widget = widget
@@ -79,7 +79,7 @@ def tells(viewer: Viewer, *seconds: float) -> None:
     wait_for(lambda: viewer.told[-len(seconds) :] == list(seconds), f"the viewer was told {seconds}")
 
 
-def test_what_python_sets_goes_to_the_viewer_and_its_answer_is_no_news(widget: RerunWidget, viewer: Viewer) -> None:
+def test_times_set_by_python_go_to_the_viewer_and_its_answer_is_not_news(widget: RerunWidget, viewer: Viewer) -> None:
     for seconds in (21.96, 22.5, 3.0):
         widget.time = seconds
         tells(viewer, seconds)
@@ -91,7 +91,9 @@ def test_what_python_sets_goes_to_the_viewer_and_its_answer_is_no_news(widget: R
     assert viewer.told == [21.96, 22.5, 3.0]
 
 
-def test_a_viewer_that_had_no_timeline_yet_is_told_again(widget: RerunWidget, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_viewer_that_had_no_timeline_yet_gets_the_time_again(
+    widget: RerunWidget, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(widget_module, "PATIENCE", 0.05)
     viewer = Viewer(widget)
     widget.time = 12.5
@@ -136,7 +138,7 @@ def test_late_answers_to_a_time_that_was_sent_twice_do_not_take_the_time_back(
     becomes(widget, 9.0)
 
 
-def test_a_viewer_that_is_still_drawing_is_told_only_the_newest_time(
+def test_a_viewer_that_is_still_drawing_gets_only_the_newest_time(
     widget: RerunWidget, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(widget_module, "PATIENCE", 60.0)
@@ -152,7 +154,7 @@ def test_a_viewer_that_is_still_drawing_is_told_only_the_newest_time(
     tells(viewer, 1.0, 3.0, 4.0)
 
 
-def test_answers_that_come_after_a_long_cell_are_no_news_either(
+def test_answers_that_come_after_a_long_cell_are_not_news_either(
     widget: RerunWidget, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(widget_module, "PATIENCE", 0.0)
@@ -166,7 +168,7 @@ def test_answers_that_come_after_a_long_cell_are_no_news_either(
     becomes(widget, 1.0)
 
 
-def test_a_page_that_loads_is_told_the_time_and_does_not_set_it(widget: RerunWidget) -> None:
+def test_a_page_that_loads_gets_the_time_and_does_not_set_it(widget: RerunWidget) -> None:
     viewer = Viewer(widget)
     widget.time = 20.0
     for _ in ("first", "and again, when it is loaded anew"):
@@ -227,7 +229,7 @@ def test_viewer_and_player_follow_one_time_and_come_to_rest(player: Player) -> N
     tells(viewer, 21.96, player.duration)
 
 
-def test_where_it_is_closed_nothing_is_served_any_more(widget: RerunWidget) -> None:
+def test_if_it_is_closed_nothing_is_served_any_more(widget: RerunWidget) -> None:
     with urlopen(widget._url, timeout=240) as answer:
         assert answer.read(4) == b"RRF2"
     widget.close()
@@ -244,7 +246,7 @@ def test_the_viewer_is_fetched_from_here(widget: RerunWidget) -> None:
         assert answer.read(4) == b"\0asm"
 
 
-def test_made_anew_it_does_not_know_the_old_one(widget: RerunWidget, viewer: Viewer) -> None:
+def test_a_new_one_does_not_know_the_old_one(widget: RerunWidget, viewer: Viewer) -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         other = recording.to_rerun(None, "/scan")
     assert isinstance(other, RerunWidget)

@@ -1,4 +1,4 @@
-"""Recordings of scans and speeds with any times, in any order, in every kind of file, written for a test."""
+"""Recordings of scans and speeds with any times, in any order, in every file format, written for a test."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _ROS1, _ROS2 = get_typestore(Stores.ROS1_NOETIC), get_typestore(Stores.ROS2_HUMB
 
 
 def drive(times: Sequence[float]) -> list[Message]:
-    """A scan and a speed at each time, numbered as they come."""
+    """A scan and a speed at each time, numbered in order of arrival."""
     return [(topic, time, i) for i, time in enumerate(times) for topic in (SCAN, SPEED)]
 
 

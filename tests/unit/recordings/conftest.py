@@ -1,4 +1,4 @@
-"""What the tests of recordings share."""
+"""Fixtures for the tests of recordings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robowidgets.repair._indexed import IndexedSource
 
 @pytest.fixture(autouse=True)
 def close_what_was_opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Every recording, and every source over damaged files, is closed when its test ends."""
+    """Close every recording, and every source over damaged files, when its test ends."""
     opened: list[IndexedSource | RecordingData] = []
     for kind in (IndexedSource, RecordingData):
 

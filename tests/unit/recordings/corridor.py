@@ -13,7 +13,7 @@ from .recorded import START_NS, stamped
 WALL = 5.0
 """Metres from the start."""
 BACK = 5.0
-"""Seconds after which the first run comes back."""
+"""Time at which the first run turns back, in seconds."""
 
 
 def write(folder: Path, speed: float = 0.8, origin: Pose | None = None, odometry: bool = True) -> Path:
@@ -22,8 +22,8 @@ def write(folder: Path, speed: float = 0.8, origin: Pose | None = None, odometry
     Args:
         folder: is made, with an MCAP file in it.
         speed: in m/s; at 0.4 m/s or less it drives forth all the time.
-        origin: where its odometry starts in that of the corridor; None: there.
-        odometry: whether there is any.
+        origin: start of its odometry in the corridor, or None for the start of the corridor.
+        odometry: True to write odometry.
     """
     messages = []
     ox, oy, turn = origin or Pose(0.0, 0.0, 0.0)

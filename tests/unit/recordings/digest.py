@@ -1,6 +1,6 @@
-"""What a recording says, as a few short texts to compare: every sample, every column, and what was wrong.
+"""The content of a recording as a few short texts to compare: every sample, every column, and the problems.
 
-``python -m tests.unit.recordings.digest`` writes `DIGESTS` anew, from the folder of real recordings.
+``python -m tests.unit.recordings.digest`` rewrites `DIGESTS`, from the folder of real recordings.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def recordings(folder: Path) -> list[Path]:
 
 
 def digest(path: Path) -> dict[str, Any]:
-    """Topics, samples, columns and problems of a recording; the error if it does not open."""
+    """Topics, samples, columns and problems of a recording, or the error if it does not open."""
     try:
         with open(path) as recording:
             return _digest(recording)
@@ -57,7 +57,7 @@ def _samples(recording: Recording, topic: str) -> list[Any]:
 
 def _values(sample: Any) -> bytes:
     if isinstance(sample, Scan):
-        # Angles as float32, which is what a LaserScan holds.
+        # Angles as float32, the type in a LaserScan.
         settings = (sample.angle_min, sample.angle_increment, sample.range_min, sample.range_max)
         words = repr((sample.frame_id, sample.header_problems)).encode()
         return np.array(settings, np.float32).tobytes() + sample.ranges.tobytes() + sample.intensities.tobytes() + words
@@ -70,7 +70,7 @@ def _values(sample: Any) -> bytes:
 
 
 def _columns(recording: Recording, topic: str, widget: str) -> list[Any]:
-    """By time, whatever the order of arrival was."""
+    """Sort by time, whatever the order of arrival."""
     hashed = sha256()
     series: Any = recording.series(topic)
     order = np.argsort(series.times_ns, kind="stable")
@@ -92,7 +92,7 @@ def _columns(recording: Recording, topic: str, widget: str) -> list[Any]:
 
 
 def main() -> None:
-    """Write the digests anew."""
+    """Rewrite the digests."""
     folder = real_recordings()
     told = {f"{path.parent.name}/{path.name}": digest(path) for path in recordings(folder)}
     lines = ",\n".join(f"{json.dumps(name)}: {json.dumps(says)}" for name, says in told.items())

@@ -16,7 +16,7 @@ from .test_fields import recordings_in
 
 
 class Sent(NamedTuple):
-    """A topic under a name that no other recording has, with its first messages as bytes, and as rosbags reads them."""
+    """A topic under a name of no other recording, with its first messages as bytes and as rosbags reads them."""
 
     topic: str
     channel: Channel
@@ -25,13 +25,13 @@ class Sent(NamedTuple):
 
 
 def first_messages(data: Path, count: int) -> list[Sent]:
-    """The first messages of every readable topic that has any."""
+    """The first messages of every readable topic with messages."""
     found = []
     for number, path in enumerate(recordings_in(data)):
         try:
             source = open_source(path)
         except RecordingError:
-            continue  # nothing of it can be read
+            continue  # nothing in it can be read
         for channel in source.channels:
             if channel.encoding not in ("cdr", "ros1"):
                 continue  # a feed sends messages of ROS
@@ -48,5 +48,5 @@ def first_messages(data: Path, count: int) -> list[Sent]:
 
 
 def by_type(sent: Iterable[Sent]) -> list[Sent]:
-    """One of each type."""
+    """One topic of each type."""
     return list({one.channel.type: one for one in sent}.values())

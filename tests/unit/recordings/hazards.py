@@ -1,4 +1,4 @@
-"""A recording of bumps alone, written for a test, by a robot that lists only what is touched."""
+"""A recording of bumps only, written for a test, by a robot that lists only touched sensors."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def write(
 
 
 def forget_definitions(folder: Path) -> Path:
-    """Take the definitions of its messages out of a database, as ROS 2 Humble writes it, and those that were added.
+    """Remove the definitions of its messages from a database, as in ROS 2 Humble, and the added definitions.
 
     Returns:
         The database.
@@ -55,7 +55,7 @@ def forget_definitions(folder: Path) -> Path:
         connection.execute("DROP TABLE message_definitions")
     connection.close()
     definitions._added.clear()
-    definitions.add({})  # so that what was found is looked for anew
+    definitions.add({})  # so that definitions are looked up again
     return database
 
 

@@ -1,4 +1,4 @@
-"""A small recording of a robot, written for a test: scans, speeds, commands, bumps, and what no widget shows."""
+"""A small recording of a robot, written for a test: scans, speeds, commands, bumps, and topics that no widget shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings of scans alone, written for a test: any times, any number of rays."""
+"""Recordings of scans only, written for a test: any times, any number of rays."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def scan(
     increment: float = 0.1,
     frame_id: str = "laser",
 ) -> bytes:
-    """The bytes of a scan; limits 0.1 to 30 m, rays so many radians apart."""
+    """The bytes of a scan, with limits of 0.1 and 30 m, and rays so many radians apart."""
     fields = {
         "header": stamped(stamp_ns, frame_id),
         "angle_min": angle_min,

@@ -64,7 +64,7 @@ def test_speeds_without_an_angle_have_nan(tmp_path: Path) -> None:
         assert "steering" not in recording.speeds().to_numpy()
 
 
-def test_a_feed_shows_them_beside_what_is_measured() -> None:
+def test_a_feed_shows_them_with_the_measured_speeds() -> None:
     script = Scripted(ODOM, Advert("/drive", STAMPED))
     with Feed(script) as feed:
         feed.connect("/odom", widget := SpeedWidget())
@@ -91,7 +91,7 @@ def test_what_is_frozen_keeps_its_angle() -> None:
     widget.close()
 
 
-def test_a_steering_angle_that_is_no_number_is_none_for_the_page() -> None:
+def test_a_steering_angle_that_is_not_a_number_is_null_for_the_page() -> None:
     widget = SpeedWidget()
     widget.update(Speed(steering=nan))
     assert widget.speed is not None

@@ -1,4 +1,4 @@
-"""Bytes that follow the last field of messages, and what the table of topics says of unreadable ones at once."""
+"""Bytes after the last field of messages, and the early notes on unreadable messages in the table of topics."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_a_camera_makers_bag_is_read(data: Path) -> None:
 
 
 def test_a_definition_that_is_not_of_the_file_describes_all_bytes_or_nothing(tmp_path: Path) -> None:
-    """Bytes that are left over then say that the fields before are perhaps those of another version."""
+    """Bytes left over suggest that the fields before belong to another version."""
     raw = encode("cdr", "sensor_msgs/msg/LaserScan", SCAN) + bytes(4)
     folder = recorded.write(
         tmp_path / "x",
@@ -76,14 +76,14 @@ def test_a_definition_that_is_not_of_the_file_describes_all_bytes_or_nothing(tmp
 
 
 @pytest.mark.parametrize("name", ["std_msgs/msg/Float64", "sensor_msgs/msg/LaserScan"])
-def test_the_table_of_topics_says_at_once_that_messages_are_no_messages(tmp_path: Path, name: str) -> None:
+def test_the_table_of_topics_reports_at_once_that_messages_are_invalid(tmp_path: Path, name: str) -> None:
     path = write_mcap(tmp_path / "x.mcap", {"/x": (name, "ros2msg", text_of(name), "cdr")}, [(0, "/x", b"\0\1\0\0x")])
     with robowidgets.open(path) as recording:
         assert "! /x: messages that cannot be shown are left out, the first at 0.00 s: 5 bytes" in recording.info()
 
 
 def test_the_table_of_topics_says_at_once_that_a_type_is_not_known(tmp_path: Path) -> None:
-    """A package whose types are all known may have one more in a version to come."""
+    """A package whose types are all known may have one more in a future version."""
     path = write_mcap(tmp_path / "x.mcap", {"/x": ("std_msgs/msg/New", "", b"", "cdr")}, [(0, "/x", b"\0\1\0\0x")])
     with robowidgets.open(path) as recording:
         assert "! /x: no definition of its messages in the file" in recording.info()

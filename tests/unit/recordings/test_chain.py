@@ -54,7 +54,7 @@ class TestWholeFiles:
             read(source)
 
 
-def test_a_file_that_cannot_be_read_is_told_beside_the_rest(tmp_path: Path) -> None:
+def test_an_unreadable_file_is_reported_and_the_rest_is_read(tmp_path: Path) -> None:
     paths = split(tmp_path)
     paths[0].write_bytes(b"")
     paths[1].write_bytes(paths[1].read_bytes()[:-60])

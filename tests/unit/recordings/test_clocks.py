@@ -1,4 +1,4 @@
-"""What is said of the clocks of topics, one by one and together."""
+"""Notes on the clocks of topics, one by one and together."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Silence = tuple[float, float]
 
 
 def problems(folder: Path, each: int = 1, **silences: Sequence[Silence]) -> tuple[str, ...]:
-    """What is said of topics at 2 Hz for 1000 s, silent from one second to another, once their columns were read.
+    """The notes on topics at 2 Hz for 1000 s, silent for some time, once their columns were read.
 
     Args:
-        folder: where to write them.
-        each: messages at each time.
+        folder: the folder to write to.
+        each: number of messages at each time.
         silences: of each topic.
     """
     samples = {
@@ -37,12 +37,12 @@ def times(silences: Sequence[Silence]) -> list[float]:
 
 
 class TestSilences:
-    def test_of_a_topic_are_told_in_a_line(self, tmp_path: Path) -> None:
+    def test_of_a_topic_are_reported_in_a_line(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 200)]) == (
             "/a: nothing was recorded for 100.00 s from 100.00 s on, or the clock jumped ahead",
         )
 
-    def test_of_a_topic_that_come_again_are_told_in_a_line(self, tmp_path: Path) -> None:
+    def test_of_a_topic_that_come_again_are_reported_in_a_line(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 200), (500, 570)]) == (
             "/a: nothing was recorded 2 times, first from 100.00 s on, for up to 100.00 s, or the clock jumped ahead",
         )
@@ -50,12 +50,12 @@ class TestSilences:
     def test_of_less_than_a_minute_are_none(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 150)]) == ()
 
-    def test_that_topics_share_are_told_once(self, tmp_path: Path) -> None:
+    def test_that_topics_share_are_reported_once(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 200)], odom=[(100, 200)], tf=[]) == (
             "/a, /odom: nothing was recorded for 99.91 s from 100.09 s on, or the clock jumped ahead",
         )
 
-    def test_of_other_lengths_or_at_other_times_are_told_by_themselves(self, tmp_path: Path) -> None:
+    def test_of_other_lengths_or_at_other_times_are_reported_separately(self, tmp_path: Path) -> None:
         lines = problems(tmp_path, a=[(100, 200)], b=[(100, 300)], c=[(500, 600)], d=[(100, 200), (500, 600)])
         assert [line.partition(":")[0] for line in lines] == ["/a", "/b", "/c", "/d"]
 

@@ -1,4 +1,4 @@
-"""The fast path from bytes to samples gives what the slow one does."""
+"""The fast path from bytes to samples gives the results of the slow one."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ FILES = (
 
 
 class Watched:
-    """A decoder of one channel, and how many messages it read in full."""
+    """A decoder of one channel, and the number of messages that it read in full."""
 
     def __init__(self, type_name: str, encoding: str = "cdr", definition: str = "") -> None:
         channel = Channel(1, "/topic", type_name, encoding, definition, 1)
@@ -55,7 +55,7 @@ class Watched:
         return [chunk.sample(row) for chunk in chunks for row in range(len(chunk))]
 
     def slowly(self, raw: bytes) -> Any:
-        """The sample, as rosbags and the reader of the kind give it."""
+        """The sample from rosbags and the reader of the kind."""
         return self.convert(self.full(raw))
 
 
@@ -84,7 +84,7 @@ def test_every_sample_of_real_files_is_the_same(data: Path, name: str) -> None:
             for sample, raw in zip(watched(*raws[at : at + 100]), raws[at : at + 100], strict=True):
                 assert same(sample, watched.slowly(raw))
         tried += 1
-        # Of scans with several echoes, each has its numbers at other places.
+        # Scans with several echoes have their numbers at other positions each time.
         if "MultiEcho" not in channel.type:
             assert watched.calls <= max(1, channel.count // 10), f"{channel.topic}: {watched.calls} read in full"
     source.close()
@@ -164,7 +164,7 @@ class TestScans:
         assert any("not used" in problem.what for problem in odd.problems())
         assert not again.problems()
 
-    def test_go_on_after_what_is_no_scan(self) -> None:
+    def test_go_on_after_a_message_that_is_not_a_scan(self) -> None:
         watched = Watched(SCAN)
         watched(scan_bytes())
         with pytest.raises(DecodeError):
@@ -213,7 +213,7 @@ class TestSpeeds:
         assert [first, second] == [watched.slowly(raw).pose for raw in raws[:2]]
         assert second == (4.0, 5.0, pytest.approx(np.pi))
         assert third.x == 6.0
-        assert np.isnan(third.yaw), "nobody has set the orientation"
+        assert np.isnan(third.yaw), "the user has not set the orientation"
         assert watched.calls == 1
 
     def test_of_another_frame_are_read_in_full(self) -> None:

@@ -1,4 +1,4 @@
-"""Our message definitions, against the hashes that ROS gives to the originals, and those that users add."""
+"""Our message definitions, against the hashes of the ROS originals, and definitions that users add."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ ROS2 = {
     "ros_gz_interfaces/msg/JointWrench": "aa50610f0bc1a9f1",
 }
 
-# The MD5 sums of ROS 1, in which the constants count too.
+# The MD5 sums of ROS 1, which include the constants.
 ROS1 = {
     "ackermann_msgs/msg/AckermannDriveStamped": "1fd5d7f58889cefd44d29f6653240d0c",
     "ca_msgs/msg/Bumper": "18fe5b1d31e6a8db180b924157ac665e",
@@ -87,12 +87,12 @@ def store(base: Stores) -> Typestore:
 
 
 @pytest.mark.parametrize("name", ROS2)
-def test_fields_are_those_of_ros_2(name: str) -> None:
+def test_fields_match_ros_2(name: str) -> None:
     assert store(Stores.ROS2_HUMBLE).hash_rihs01(name).removeprefix("RIHS01_")[:16] == ROS2[name]
 
 
 @pytest.mark.parametrize("name", ROS1)
-def test_fields_are_those_of_ros_1(name: str) -> None:
+def test_fields_match_ros_1(name: str) -> None:
     assert store(Stores.ROS1_NOETIC).generate_msgdef(name)[1] == ROS1[name]
 
 
@@ -108,7 +108,7 @@ def test_the_source_and_the_licence_of_a_package_are_named(package: str) -> None
     first = (FOLDER / f"{package}.txt").read_text(encoding="utf-8").splitlines()[0]
     assert first.startswith("# For ")
     assert "github.com/" in first
-    # "BSD" alone is of a package that does not say which; the notice explains it.
+    # "BSD" alone is from a package that does not name the version; the notice explains it.
     assert any(
         f". {licence}: " in first for licence in ("BSD-3-Clause", "BSD", "Apache-2.0", "MIT", "No licence is stated")
     )
@@ -129,7 +129,7 @@ PART = "MSG: my_msgs/Part\nstring name\n"
 
 
 def unknown_recording(folder: Path) -> Path:
-    """A database as ROS 2 Humble writes it: the definitions of the messages are not in it."""
+    """A database as ROS 2 Humble writes it: without the definitions of the messages."""
     add_definitions(STATUS + PART)
     message = {"header": recorded.stamped(7), "charge": 0.5, "parts": [{"name": "arm"}]}
     path = recorded.write(folder, {"/status": "my_msgs/msg/Status"}, [(0, "/status", message)], StoragePlugin.SQLITE3)
@@ -175,7 +175,7 @@ def test_the_package_is_named_by_its_package_xml(tmp_path: Path) -> None:
     assert "my_msgs/msg/Part" in add_definitions(folder / "msg" / "Part.msg")
 
 
-def test_those_of_a_ros_2_that_is_sourced_are_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_definitions_of_a_sourced_ros_2_are_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = unknown_recording(tmp_path / "x")
     package(tmp_path / "opt" / "share")
     monkeypatch.setenv("AMENT_PREFIX_PATH", f"/nowhere:{tmp_path / 'opt'}")
@@ -215,7 +215,7 @@ def test_one_that_was_added_comes_before_ours_and_before_the_standard() -> None:
         (3, TypeError, "got 3"),
     ],
 )
-def test_what_is_no_definition_is_an_error_and_adds_none(source: str, error: type[Exception], says: str) -> None:
+def test_what_is_not_a_definition_is_an_error_and_adds_none(source: str, error: type[Exception], says: str) -> None:
     with pytest.raises(error, match=says):
         add_definitions(source)
     for name in ("my_msgs/msg/Odd", "my_msgs/msg/Status", "my_msgs/msg/Loop"):
@@ -242,7 +242,7 @@ def action_package(root: Path, action: str = GO) -> Path:
 
 
 def action_recording(folder: Path, feedback: dict[str, object], action: str = GO) -> Path:
-    """A database as ROS 2 Humble writes it, with both topics of an action that one goal was sent to."""
+    """A database as ROS 2 Humble writes it, with both topics of an action to which one goal was sent."""
     add_definitions(action_package(folder / "src", action))
     goal = {"uuid": list(range(16))}
     messages = [

@@ -1,4 +1,4 @@
-"""Every real recording gives the samples, columns and problems that it always gave."""
+"""Every real recording gives the same samples, columns and problems as ever."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the nearest thing is, in whole columns: the same as of one scan at a time."""
+"""The nearest distances as whole columns: equal to the distances of one scan at a time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The check-up of a recording: what its topics hold, what is wrong, and what to do about it."""
+"""The check-up of a recording: the content of its topics, their problems, and the remedies."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .test_digest import TOLD
 from .test_mcap_dialects import SCAN
 
 GOOD = [2.0] * 11
-"""As many rays as the header of `sweeps.scan` implies."""
+"""The number of rays that the header of `sweeps.scan` implies."""
 
 
 BEHIND = "/scan: stamps are 40.0 s behind the recorder's clock"
@@ -29,7 +29,7 @@ ROW = ["/scan", "100", "10.0", "0.0 ms", "0", "11", "-28.6° to 28.6°", "5.73°
 
 
 def taken(times: Iterable[float], ranges: Sequence[float] = GOOD, late: float = 0.0, **more: Any) -> list[Any]:
-    """Scans with stamps at these times, logged so much later."""
+    """Scans with stamps at these times, logged later by some seconds."""
     return [(seconds + late, sweeps.scan(sweeps.START_NS + round(seconds * 1e9), ranges, **more)) for seconds in times]
 
 
@@ -62,7 +62,7 @@ class TestTable:
         assert end == "no problems found"
         assert "no problems found" in sound._repr_html_()
 
-    def test_a_clockwise_scanner_is_named_and_is_no_problem(self, report: Callable[..., Any]) -> None:
+    def test_a_clockwise_scanner_is_named_and_is_not_a_problem(self, report: Callable[..., Any]) -> None:
         clockwise = report(taken(steady(0, 3), angle_min=1.5, increment=-0.1))
         assert "85.9° to 28.6°, clockwise" in repr(clockwise)
         assert lines(clockwise) == []
@@ -108,12 +108,12 @@ class TestTiming:
         found = report([(i / 10, raw) for i, (_, raw) in enumerate(taken(times))])
         assert found.topics[0].timing.lost is None
 
-    def test_bursts_of_the_recorder_are_no_loss(self, report: Callable[..., Any]) -> None:
+    def test_bursts_of_the_recorder_are_not_a_loss(self, report: Callable[..., Any]) -> None:
         times = steady(0, 20)
         scans = [(np.ceil(seconds) + i * 1e-3, raw) for i, (seconds, raw) in enumerate(taken(times))]
         assert lines(report(scans)) == []
 
-    def test_a_scanner_without_a_beat_loses_nothing_that_anybody_knows_of(self, report: Callable[..., Any]) -> None:
+    def test_a_scanner_without_a_steady_rate_has_no_known_loss(self, report: Callable[..., Any]) -> None:
         steps = np.random.default_rng(1).uniform(0.05, 0.4, 200)
         found = report(taken(np.cumsum(steps).tolist()))
         assert found.topics[0].timing.lost is None
@@ -128,7 +128,7 @@ class TestTiming:
         assert slow.endswith("s, first from 19.40 s on")
         assert pause == "/scan: nothing came once, for up to 5.1 s, first from 39.90 s on"
 
-    def test_a_long_silence_is_named_once_and_a_shorter_pause_beside_it(self, report: Callable[..., Any]) -> None:
+    def test_a_long_silence_is_named_once_and_a_shorter_pause_with_it(self, report: Callable[..., Any]) -> None:
         times = [*steady(0, 20), *steady(25, 45), *steady(145, 165)]
         assert lines(report(taken(times))) == [
             "/scan: nothing was recorded for 100.10 s from 44.90 s on, or the clock jumped ahead",
@@ -159,7 +159,7 @@ def tf(seconds: float, x: float, parent: str = "odom") -> dict[str, Any]:
     return {"transforms": [{"header": header, "child_frame_id": "base_link", "transform": transform}]}
 
 
-class TestStampsThatAreNoDates:
+class TestStampsThatAreNotDates:
     @pytest.mark.parametrize(
         ("since_ns", "said"),
         [
@@ -215,13 +215,13 @@ class TestTransforms:
         assert self.drive(tmp_path, own) == ["base_link has 2 parents in tf: odom, map"]
 
     @pytest.mark.parametrize("noise", [0.0, 0.005, 0.05])
-    def test_one_publisher_that_drives_or_is_unsure_is_none(self, tmp_path: Path, noise: float) -> None:
+    def test_one_publisher_that_drives_or_is_unsure_is_not_a_conflict(self, tmp_path: Path, noise: float) -> None:
         shake = np.random.default_rng(1).normal(0, noise, 300)
         own = [(i / 50, "/tf", tf(i / 50, 0.02 * i * (noise == 0) + shake[i])) for i in range(300)]
         assert self.drive(tmp_path, own) == []
 
 
-def test_releases_without_a_message_are_no_samples(tmp_path: Path) -> None:
+def test_releases_without_a_message_are_not_samples(tmp_path: Path) -> None:
     with robowidgets.open(hazards.write(tmp_path / "drive", {0.0: True, 2.0: True, 4.0: False})) as recording:
         assert len(recording.touches()) == 5
         assert [topic.samples for topic in recording.doctor().topics] == [3]
@@ -257,7 +257,9 @@ class TestScans:
         said = ("/scan: no readings: all 11 to 12 rays say NaN, no measurement (in 3 of 100 scans, first at 5.00 s)",)
         assert tuple(lines(report([*taken(times[:50]), *odd, *taken(times[53:])]))) == said
 
-    def test_single_scans_without_a_reading_are_no_problem_of_the_recording(self, report: Callable[..., Any]) -> None:
+    def test_single_scans_without_a_reading_are_not_a_problem_of_the_recording(
+        self, report: Callable[..., Any]
+    ) -> None:
         times = steady(0, 10)
         assert lines(report([*taken(times[:1], [float("nan")] * 11), *taken(times[1:])])) == []
 

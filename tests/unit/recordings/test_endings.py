@@ -1,4 +1,4 @@
-"""Topics that begin long after their recording, or end long before it, are told, and no others."""
+"""Topics that begin long after their recording, or end long before it, are reported, and no others."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def ends(topic: str, after: int) -> list[Message]:
 @pytest.mark.parametrize("kind", KINDS)
 class TestATopicThatEndsHalfWay:
     @pytest.mark.parametrize("topic", [SCAN, SPEED])
-    def test_is_told_when_the_recording_is_opened(self, tmp_path: Path, kind: str, topic: str) -> None:
+    def test_is_reported_when_the_recording_is_opened(self, tmp_path: Path, kind: str, topic: str) -> None:
         recording = robowidgets.open(KINDS[kind](tmp_path, ends(topic, 200)))
         assert recording.problems == (f"{topic}: nothing after 19.90 s of 39.90 s",)
 
@@ -39,7 +39,7 @@ class TestATopicThatEndsHalfWay:
 @pytest.mark.parametrize("kind", KINDS)
 class TestATopicThatBeginsLate:
     @pytest.mark.parametrize("topic", [SCAN, SPEED])
-    def test_is_told_with_the_rate_of_its_own_time(self, tmp_path: Path, kind: str, topic: str) -> None:
+    def test_is_reported_with_the_rate_of_its_own_time(self, tmp_path: Path, kind: str, topic: str) -> None:
         recording = robowidgets.open(KINDS[kind](tmp_path, part(topic, 60, 200)))
         assert recording.problems == (
             f"{topic}: nothing before 6.00 s of 39.90 s",

@@ -1,4 +1,4 @@
-"""The events of a recording: as a table, found, marked, in its player and in its pages."""
+"""The events of a recording: as a table, in searches, with labels, in its player and in its pages."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class TestTheTable:
         assert [e.seconds for e in recording.events(level="WARN")] == [2.0, 4.0, 8.0]
         assert [e.seconds for e in recording.events("/rosout", text="lost")] == [2.0, 8.0]
         assert [e.seconds for e in recording.events(level=Level.ERROR, start=4.0, end=8.0)] == [4.0]
-        assert [e.seconds for e in recording[1.5:4.5].events("/diagnostics")] == [4.0]  # not what was so before
+        assert [e.seconds for e in recording[1.5:4.5].events("/diagnostics")] == [4.0]  # only new events
 
     def test_goes_into_other_libraries(self, recording: Recording) -> None:
         events = recording.events("/rosout")

@@ -1,4 +1,4 @@
-"""Every readable topic of the real recordings is shown by a widget that fits it."""
+"""Every readable topic of the real recordings is shown by a fitting widget."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FITTING = {
     "PointCloud2": "cloud", "PointCloud": "cloud", "MultiEchoLaserScan": "laser",
     "Image": "image", "MarkerArray": "message", "Float64": "plot",
 }  # fmt: skip
-"""Short types, and the name of the widget that is the best for them."""
+"""Short types, and the name of the best widget for each."""
 
 
 def recordings_in(folder: Path) -> list[Path]:
@@ -31,7 +31,7 @@ def recordings_in(folder: Path) -> list[Path]:
 
 
 def shown(recording: Recording, topic: str) -> str:
-    """The name of the widget that shows a topic, which has packed its first message."""
+    """The name of the widget of a topic, which has packed its first message."""
     (choice, *_) = choose_widgets(recording.topics, [topic])
     widget = choice.make()
     widget.follow_player()
@@ -45,7 +45,7 @@ def shown(recording: Recording, topic: str) -> str:
 
 @pytest.mark.slow
 def test_every_readable_topic_with_a_message_is_shown_by_a_widget_that_fits(data: Path) -> None:
-    """Of each type one topic is packed, too: that with the fewest messages in the first recording that has it."""
+    """One topic of each type is packed, too: the topic with the fewest messages in the first recording that has it."""
     tried: dict[str, str] = {}
     without: defaultdict[str, list[str]] = defaultdict(list)
     for path in recordings_in(data):

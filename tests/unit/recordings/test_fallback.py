@@ -1,4 +1,4 @@
-"""A source over a file that looks whole, and a repaired one that goes on where the first meets damage."""
+"""A source over a file that looks complete, and a repaired source that takes over at the first damage."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SPEED = Channel(8, "/odom", "nav_msgs/msg/Odometry", "cdr", "", 5)
 
 
 class Held:
-    """A source over messages in memory, that breaks at one of them."""
+    """A source over messages in memory that breaks at one of them."""
 
     def __init__(self, messages: list[Message], breaks_at: int | None = None, problems: tuple[str, ...] = ()) -> None:
         self.messages_held, self.breaks_at, self.problems = messages, breaks_at, problems
@@ -81,7 +81,7 @@ def test_a_file_that_is_read_in_turns_is_repaired_once() -> None:
     assert [repaired.closed for repaired in opened] == [1]
 
 
-def test_what_is_wrong_is_told_once_it_is_known() -> None:
+def test_what_is_wrong_is_reported_once_it_is_known() -> None:
     source = FallbackSource(Held(held(), 2), lambda: Held(held(), problems=("damaged in 1 place",)))
     assert source.problems == ()
     list(source.messages([SCAN]))

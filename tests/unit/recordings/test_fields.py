@@ -26,7 +26,7 @@ JOINTS = "sensor_msgs/msg/JointState"
 BATTERY = "sensor_msgs/msg/BatteryState"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 LOOKED_AT = 50
-"""Messages of each topic, from its beginning to its end, or all of fewer."""
+"""Messages of each topic: from its beginning to its end, or all if it has fewer."""
 SUFFIXES = {".bag", ".db3", ".mcap", ".gz", ".zstd"}
 
 
@@ -37,7 +37,7 @@ def recordings_in(data: Path) -> list[Path]:
 
 
 def values_at(value: Any, path: str) -> Iterator[Any]:
-    """The values of a field in a message as rosbags read it, in their order; arrays of numbers as they are."""
+    """The values of a field in a message as rosbags read it, in order; arrays of numbers unchanged."""
     name, _, rest = path.partition(".")
     inner = getattr(value, name.removesuffix("[]"))
     for one in inner if name.endswith("[]") else [inner]:
@@ -52,12 +52,12 @@ def values_at(value: Any, path: str) -> Iterator[Any]:
 
 
 def bits(values: list[Any]) -> list[Any]:
-    """Values by what tells them apart: NaN is not equal to itself, and -0.0 is equal to 0.0."""
+    """Comparable values: NaN differs from itself, and -0.0 equals 0.0, so compare their bits."""
     return [struct.pack("<d", value) if isinstance(value, float) else value for value in values]
 
 
 def assert_equal(column: Any, messages: Sequence[Any], name: str) -> None:
-    """Fail unless a column holds the values of a field in messages that rosbags read, and in the type of rosbags."""
+    """Fail unless a column holds the values and the type of a field in messages that rosbags read."""
     for row, message in zip(column, messages, strict=True):
         expected = list(values_at(message, name))
         if expected and isinstance(expected[0], np.ndarray):
@@ -69,13 +69,13 @@ def assert_equal(column: Any, messages: Sequence[Any], name: str) -> None:
 
 
 @pytest.mark.slow
-def test_every_field_of_every_topic_is_that_of_rosbags_to_the_last_bit(data: Path) -> None:
+def test_every_field_of_every_topic_matches_rosbags_to_the_last_bit(data: Path) -> None:
     topics = columns = 0
     for path in recordings_in(data):
         try:
             recording = robowidgets.open(path)
         except robowidgets.RecordingError:
-            continue  # nothing of it can be read
+            continue  # nothing in it can be read
         with recording:
             for topic in recording.topics:
                 if topic.problem or not topic.count:
@@ -142,7 +142,7 @@ def test_names_select_columns_and_the_name_of_a_message_those_in_it(fields: Fiel
     assert some["linear_acceleration.x"].tolist() == [2 / 3, 1.0]
 
 
-def test_types_are_those_of_the_definition(fields: Fields) -> None:
+def test_types_match_the_definition(fields: Fields) -> None:
     assert list(fields.types.items())[:4] == [
         ("header.stamp", "time"),
         ("header.frame_id", "string"),
@@ -277,7 +277,7 @@ def test_missing_integers_are_missing_in_tables(tmp_path: Path) -> None:
 
 
 LENGTHS = {"none": [], "equal": [2, 2], "several": [2, 0, 3]}
-"""Of the arrays in each message."""
+"""The fields of the arrays in each message."""
 
 
 def lists_of(folder: Path, lengths: list[int]) -> Fields:
@@ -318,7 +318,7 @@ def test_arrays_of_any_length_take_as_many_bytes_in_a_table_as_in_the_messages(t
     for topic, (kind, polars_kind, size) in kinds.items():
         column = recording.fields(topic).to_arrow()["data"]
         assert column.type == arrow.list_(kind)
-        assert column.nbytes == pytest.approx(3003 * size, abs=4 * 4)  # and where each begins
+        assert column.nbytes == pytest.approx(3003 * size, abs=4 * 4)  # and the start of each
         assert recording.fields(topic).to_polars()["data"].dtype == polars.List(polars_kind)
 
 

@@ -1,4 +1,4 @@
-"""What a path is, and what is said when it is nothing."""
+"""The meaning of a path, and the errors for one without a recording."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def read_count(path: Path) -> dict[str, int]:
 @pytest.mark.parametrize("part", [1.0, 0.5], ids=["whole", "cut"])
 @pytest.mark.parametrize("write", [write_bag, write_indexed_mcap, write_db3])
 @pytest.mark.filterwarnings("error::ResourceWarning")
-def test_a_recording_that_nobody_has_any_more_closes_its_file(
+def test_an_unreferenced_recording_closes_its_file(
     tmp_path: Path, write: Callable[..., Path], part: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     complaints: list[object] = []
@@ -63,7 +63,7 @@ def test_a_bag_is_known_by_its_content(tmp_path: Path, name: str) -> None:
     assert read_count(write_bag(path, messages(30))) == {"/scan": 20, "/cmd_vel": 10}
 
 
-def test_what_is_asked_of_a_bag_is_looked_up_in_its_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_topics_of_a_bag_are_looked_up_in_its_index(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     held = messages(300)
     looked_at: list[int] = []
 
@@ -77,7 +77,7 @@ def test_what_is_asked_of_a_bag_is_looked_up_in_its_index(tmp_path: Path, monkey
         parts = [source.messages(source.channels, START_NS + a * STEP_NS, START_NS + b * STEP_NS) for a, b in asked]
         parts += [source.messages(source.channels, None, START_NS), source.messages(source.channels, held[-1][1])]
         read: list[list[Message]] = [[] for _ in parts]
-        for turn in zip_longest(*parts):  # in turns, as several topics are read
+        for turn in zip_longest(*parts):  # in turns, as when several topics are read
             for one, message in zip(read, turn, strict=True):
                 if message:
                     one.append((message[0].topic, message[1], message[2]))
@@ -120,7 +120,7 @@ def test_a_carmen_log_is_read_gzipped_or_not(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("in_folder", [False, True])
-def test_damage_that_is_met_on_the_way_is_told_and_the_rest_is_read(
+def test_damage_that_is_met_on_the_way_is_reported_and_the_rest_is_read(
     data: Path, tmp_path: Path, in_folder: bool
 ) -> None:
     raw = bytearray((data / "good" / "turtlebot3_gazebo.bag").read_bytes())
@@ -191,7 +191,7 @@ LFS_POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsiz
         *((f"drive{suffix}", LFS_POINTER, "got a pointer of Git LFS") for suffix in (".bag", ".mcap", ".db3", ".log")),
     ],
 )
-def test_a_file_that_is_no_recording_is_named_for_what_it_is(
+def test_a_file_that_is_not_a_recording_is_named_for_what_it_is(
     tmp_path: Path, name: str, content: bytes, text: str
 ) -> None:
     (tmp_path / name).write_bytes(content)
@@ -201,7 +201,7 @@ def test_a_file_that_is_no_recording_is_named_for_what_it_is(
     assert "\n" not in str(caught.value)
 
 
-def test_a_large_file_that_is_no_log_is_not_read_to_its_end(tmp_path: Path) -> None:
+def test_a_large_file_that_is_not_a_log_is_not_read_to_its_end(tmp_path: Path) -> None:
     path = tmp_path / "notes.log"
     path.write_bytes(b"It rained.\n")
     with path.open("r+b") as file:
@@ -308,7 +308,7 @@ def test_recordings_of_different_names_are_not_taken_for_one(tmp_path: Path, oth
 
 
 class TestFilesWithoutMetadata:
-    """Joined only where they are the parts of one recording."""
+    """Files are joined only if they are the parts of one recording."""
 
     def folder(self, tmp_path: Path, *parts: list[Message]) -> Path:
         folder = tmp_path / "runs"
@@ -480,7 +480,7 @@ def test_files_of_any_names_are_one_recording_where_the_metadata_are_of_no_use(
     assert read_count(tmp_path) == {"/scan": 40, "/cmd_vel": 20}
 
 
-def test_a_sound_file_without_a_message_is_not_called_damaged_for_what_lies_beside_it(tmp_path: Path) -> None:
+def test_an_intact_file_without_messages_is_not_called_damaged_for_the_files_next_to_it(tmp_path: Path) -> None:
     for lost in (b"", b"It rained."):
         (tmp_path / "metadata.yaml").write_text("relative_file_paths:\n  - drive_0.db3\n  - drive_1.db3\n")
         (tmp_path / "drive_1.db3").write_bytes(write_db3(tmp_path / f"part{len(lost)}", []).read_bytes())

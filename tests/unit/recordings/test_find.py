@@ -1,4 +1,4 @@
-"""Finding when something held in a recording."""
+"""Finding the times at which a condition held in a recording."""
 
 from __future__ import annotations
 
@@ -85,20 +85,20 @@ class TestReadyMade:
             ((0.1, 0.2), []),
         ],
     )
-    @pytest.mark.filterwarnings("ignore:sector .* covers 314.2")  # which is what is meant
+    @pytest.mark.filterwarnings("ignore:sector .* covers 314.2")  # which is the meaning
     def test_within_a_sector(self, tmp_path: Path, sector: Any, held: Any) -> None:
-        # Rays at -0.5, -0.4 ... 0.5 rad; one after the other the first, the middle and the last meet something near.
+        # Rays at -0.5, -0.4 ... 0.5 rad; the first, the middle and the last meet something near, one after the other.
         rows = [[0.2 if i == near else 5.0 for i in range(11)] for near in (0, 5, 10, 11)]
         scans = ((i, sweeps.scan(START_NS, row)) for i, row in enumerate(rows))
         recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
         assert found(recording, conditions.nearest_below(0.3, sector)) == held
 
-    def test_what_is_no_reading_is_not_near_but_too_close_is(self, tmp_path: Path) -> None:
+    def test_what_is_not_a_reading_is_not_near_but_too_close_is(self, tmp_path: Path) -> None:
         rows = [0.0, 0.05, NAN, INF, -INF, 0.1]
         scans = ((i, sweeps.scan(START_NS, [row])) for i, row in enumerate(rows))
         recording = robowidgets.open(sweeps.write(tmp_path / "x", scans))
         assert found(recording, conditions.nearest_below(0.3)) == [(1, 2), (4, 5)]
-        assert found(recording, ~conditions.nearest_below(0.3)) == [(3, 4)], "of NaN and of 0.0 alone nothing is known"
+        assert found(recording, ~conditions.nearest_below(0.3)) == [(3, 4)], "NaN and 0.0 alone leave it unknown"
 
     @pytest.mark.parametrize("limit", [0.3, 0.7])  # as float32 one is larger than as float64, the other smaller
     def test_a_limit_is_not_below_itself(self, tmp_path: Path, limit: float) -> None:
@@ -124,7 +124,7 @@ class TestReadyMade:
         assert found(drive, conditions.gap(2.5, topic="/bumper")) == [(3, 6), (7, 10)]
         assert found(drive, conditions.gap(0.5)) == []  # a command may be silent
 
-    def test_a_release_that_no_message_told_ends_no_silence(self, tmp_path: Path) -> None:
+    def test_a_release_without_a_message_ends_no_silence(self, tmp_path: Path) -> None:
         touches = {0.0: True, 2.0: True, 3.0: False}  # released at 0.15 s and 2.15 s by themselves
         recording = robowidgets.open(hazards.write(tmp_path / "x", touches))
         assert found(recording, conditions.gap(1.9, topic="/hazard_detection")) == [(0, 2)]
@@ -205,7 +205,7 @@ class TestFunctions:
             return False
 
         assert found(drive, note) == []
-        assert min(seen) == 5.0  # before, there is no command
+        assert min(seen) == 5.0  # no command before
         assert seen[6.5] == (pytest.approx(1.65), 0.65, 0.65, True)
         assert seen[7.0][3] is False
 
@@ -222,7 +222,7 @@ class TestFunctions:
         drive.find(lambda moment: calls.append(moment.scan), topics="/scan")
         assert len(calls) == 100
 
-    def test_what_goes_wrong_is_told_with_its_time(self, drive: robowidgets.Recording) -> None:
+    def test_what_goes_wrong_is_reported_with_its_time(self, drive: robowidgets.Recording) -> None:
         def inverse(moment: Any) -> bool:
             return bool(1 / (moment.scan.ranges[0] - np.float32(1.55)) or 1 / 0) and moment.seconds > 3 and 1 / 0 > 1
 
@@ -259,12 +259,12 @@ class TestFunctions:
                 kept.append(sets())
             return bool(scan.ranges[0] > 1.5)
 
-        # Recordings of other tests may still keep theirs.
+        # Recordings of other tests may still hold theirs.
         before = sets()
         assert found(drive, far) == [(5.1, 10)]
         assert kept[0] <= before + 1
 
-    def test_what_is_no_condition_is_refused(self, drive: robowidgets.Recording) -> None:
+    def test_what_is_not_a_condition_is_refused(self, drive: robowidgets.Recording) -> None:
         with pytest.raises(TypeError, match=r"condition: expected a function of one moment, or one of .*, got 'bump'"):
             drive.find("bump")  # type: ignore[arg-type]
 
@@ -305,7 +305,7 @@ def stands(scan: Any) -> Drive:
 
 
 def test_a_condition_and_a_function_meet_the_same_distance_and_angle(tmp_path: Path) -> None:
-    """A circle from 0 to 2 pi; the thing at 300 degrees comes too close to measure: -inf, or below the limit."""
+    """A circle from 0 to 2 pi; the obstacle at 300 degrees comes too close to measure: -inf, or below the limit."""
     for near in (-np.inf, 0.05):
         rows = [[3.0] * 300 + [0.5 if i < 5 else near] + [3.0] * 59 for i in range(10)]
         scans = [

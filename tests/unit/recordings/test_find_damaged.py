@@ -1,4 +1,4 @@
-"""Finding in what was cut off: what is found says that something may be missed."""
+"""Finding in a recording that was cut off: the result notes that something may be missing."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def test_what_is_found_tells_what_was_wrong(damaged: Path) -> None:
     assert spans[:0].problems == spans.problems
 
 
-def test_nothing_is_told_of_a_whole_recording() -> None:
+def test_a_whole_recording_has_no_problem() -> None:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         assert recording.find(conditions.touched()).problems == ()
 
 
 @pytest.mark.parametrize(("asked", "code"), [("0.5", 1), ("1.5", 0)])
-def test_the_shell_tells_it_beside_what_was_found(
+def test_the_shell_prints_it_with_the_results(
     damaged: Path, asked: str, code: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["info", str(damaged)]) == 0
@@ -54,7 +54,7 @@ def test_the_shell_tells_it_beside_what_was_found(
     assert said.err == f"{told}\n"
 
 
-def test_the_shell_tells_it_also_where_it_cannot_look(damaged: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_shell_also_prints_it_without_a_search(damaged: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["find", str(damaged), "--touched"]) == 2
     first, second = capsys.readouterr().err.splitlines()
     assert first.startswith("! the recording was cut off: ")

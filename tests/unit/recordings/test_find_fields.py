@@ -1,4 +1,4 @@
-"""Conditions on a field of the messages of any topic, in a recording."""
+"""Conditions on a field of the messages of any topic in a recording."""
 
 from __future__ import annotations
 

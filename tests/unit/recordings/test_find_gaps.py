@@ -1,4 +1,4 @@
-"""Finding gaps: which topic fell silent, and which one is asked about."""
+"""Finding gaps: the topics that fell silent, and the topic of the search."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ def near(moment: Any) -> bool:
 
 
 def find(folder: Path, scans: Sequence[tuple[float, float]], condition: Any) -> list[tuple[float, float]]:
-    """Where a condition holds, of scans that have a time and see a range."""
+    """The spans of a condition, from scans with a time and a range each."""
     rows = ((seconds, sweeps.scan(sweeps.START_NS, [seen])) for seconds, seen in scans)
     with robowidgets.open(sweeps.write(folder / "x", rows)) as recording:
         return [(span.start, span.end) for span in recording.find(condition)]

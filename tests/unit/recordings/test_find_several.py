@@ -1,4 +1,4 @@
-"""Finding in a recording with several topics of a kind: which one is meant has to be said."""
+"""Finding in a recording with several topics of a kind: the search has to name one."""
 
 from __future__ import annotations
 

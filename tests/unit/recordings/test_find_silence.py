@@ -1,4 +1,4 @@
-"""Finding where a topic falls silent: what held is not known to go on."""
+"""Finding around the silence of a topic: a condition that held is not known to continue."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def fast(moment: Any) -> bool:
 
 
 CLOCK = every(1, 0, 41, 0)
-"""Commands, which make the recording 40 s long."""
+"""Commands that make the recording 40 s long."""
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ class TestScans:
     def test_hold_to_the_end_that_comes_soon(self, find: Find, condition: Any) -> None:
         assert find({"/scan": every(0.5, 0, 39, 0.2), "/cmd_vel": CLOCK}, condition) == [(0, 40)]
 
-    def test_hold_at_their_moment_where_there_is_one(self, find: Find, condition: Any) -> None:
+    def test_hold_at_their_moment_if_there_is_one(self, find: Find, condition: Any) -> None:
         assert find({"/scan": [(7, 0.2)], "/cmd_vel": CLOCK}, condition) == [(7, 7)]
 
     def test_of_one_time_count_as_one(self, find: Find, condition: Any) -> None:
@@ -91,7 +91,7 @@ def test_a_gap_is_as_long_as_the_silence(find: Find) -> None:
 class TestJoined:
     WRITTEN: Mapping[str, Samples] = {"/scan": every(0.5, 0, 20, 0.2), "/odom": every(0.5, 0, 40, 0.5)}
 
-    def test_what_is_unknown_is_neither_so_nor_otherwise(self, find: Find) -> None:
+    def test_an_unknown_value_is_neither_true_nor_false(self, find: Find) -> None:
         assert find(self.WRITTEN, NEAR & FAST) == [(0, 20)]
         assert find(self.WRITTEN, NEAR | FAST) == [(0, 39.5)]
         assert find(self.WRITTEN, ~NEAR) == []

@@ -1,4 +1,4 @@
-"""Finding where a program would have stopped the robot of a recording."""
+"""Finding the times at which a program would have stopped the robot of a recording."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def test_where_a_new_program_would_have_stopped_and_the_old_one_not(drive: robow
     assert found(drive, new) == [(0, 5.1)]
     assert found(drive, new & ~old) == [(2.1, 5.1)]
     assert str(new & ~old) == "(program stops & ~program stops)"
-    assert found(drive, loads(dumps(new))) == [(0, 5.1)]  # as it goes to another process
+    assert found(drive, loads(dumps(new))) == [(0, 5.1)]  # as it is sent to another process
 
 
-def test_a_program_keeps_its_state_and_speed_from_step_to_step_and_each_search_begins_anew(
+def test_a_program_keeps_its_state_and_speed_between_steps_and_each_search_restarts(
     drive: robowidgets.Recording,
 ) -> None:
     class Waits:
@@ -53,7 +53,7 @@ def test_a_program_keeps_its_state_and_speed_from_step_to_step_and_each_search_b
             if state.steps == 11:
                 assert (time, speed.linear[0]) == (2.0, 0.2)
                 return Drive(0.1)
-            return Drive() if state.steps == 1 else None  # keeps what it is
+            return Drive() if state.steps == 1 else None  # keeps its state
 
     condition = conditions.stops(Waits(), rate=5)
     assert found(drive, condition) == found(drive, condition) == [(0, 2.0)]

@@ -1,4 +1,4 @@
-"""Where a frame of a robot is in another, from what tf and odometry say of each."""
+"""The pose of one frame of a robot in another, from the messages of tf and odometry."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_a_turn_goes_the_short_way_whatever_sign_its_quaternion_has() -> None:
     assert at(frames, "base", "odom", 1)[2] == pytest.approx(0.1, abs=1e-4)
 
 
-def test_the_robots_own_clock_goes_before_that_of_the_recorder() -> None:
+def test_the_robots_own_clock_goes_before_the_clock_of_the_recorder() -> None:
     late = [joint("odom", "base", 10 + t, pose(t, 0), stamp=5 + t) for t in (0, 1, 2)]
     assert at(FrameTree(late), "base", "odom", 11.5, stamp=6)[0] == pytest.approx(1)
     assert at(FrameTree(late), "base", "odom", 11.5)[0] == pytest.approx(1.5)
@@ -193,7 +193,7 @@ def test_a_real_robot_has_its_scanner_behind_its_middle_and_turned_round(data: P
         robot = frames.poses("base_footprint", "odom", scans.times_ns, scans.stamps_ns)
         laser = frames.poses("base_laser_link", "odom", scans.times_ns, scans.stamps_ns)
     yaw = 2 * np.arctan2(robot.orientations[:, 2], robot.orientations[:, 3])
-    # It is said twice, first 0.1016 m: as in tf, what was said last holds.
+    # It is published twice, first with 0.1016 m: as in tf, the last message counts.
     behind = robot.positions[:, :2] - 0.084 * np.stack([np.cos(yaw), np.sin(yaw)], axis=1)
     assert laser.positions[:, :2] == pytest.approx(behind, abs=1e-5)
     turned = 2 * np.arctan2(laser.orientations[:, 2], laser.orientations[:, 3]) - yaw

@@ -1,4 +1,4 @@
-"""Recordings made to take memory or time end with a word, soon, and within the memory budget, whoever reads them."""
+"""Recordings made to use up memory or time end with an error, soon, and within the memory budget, in every reader."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LEVELS = 60
 HUGE = 1 << 30
 LINE = "=" * 80
 
-# Opens each file, reads all of its topics, and says what came of it, how long it took and what it took of memory.
+# Opens each file, reads all of its topics, and prints the result, the time and the memory that it took.
 PROBE = """
 import json, sys, time
 import robowidgets
@@ -75,7 +75,7 @@ def test_no_claim_and_no_bomb_takes_memory_or_time(tmp_path: Path) -> None:
     bomb = zeros(HUGE)
     assert len(bomb) < 1_000_000
     chunk = mcap_chunk(bytes(1000), "zstd", bomb)
-    # A chunk that is huge and says so, and one that says it is small, in files that are indexed like any other.
+    # A chunk that is huge and declares it, and one that declares to be small, in files that are indexed like any other.
     for claim in (HUGE, 1000):
         folder = sweeps.write(tmp_path / str(claim), sweeps.numbered(20))
         path = folder / f"{claim}.mcap"
@@ -98,7 +98,7 @@ def test_no_claim_and_no_bomb_takes_memory_or_time(tmp_path: Path) -> None:
 
 
 def indexed(raw: bytes, packed: bytes, size: int) -> bytes:
-    """An MCAP file with its one chunk exchanged for another, to which its index points as before."""
+    """An MCAP file with its one chunk replaced by another, to which its index still points."""
     start = raw.index(struct.pack("<B", 0x06), len(MCAP_MAGIC) + 30)
     (length,) = struct.unpack_from("<Q", raw, start + 1)
     times = raw[start + 9 : start + 25]
@@ -111,7 +111,7 @@ def indexed(raw: bytes, packed: bytes, size: int) -> bytes:
         (offset,) = struct.unpack_from("<Q", rest, at)
         struct.pack_into("<Q", rest, at, offset + grown)
 
-    # The chunk's index: where the records after it lie, how long it is, and how it is packed.
+    # The chunk's index: the position of the records after it, its length, and its compression.
     entry = next(at for at in range(len(rest)) if rest[at] == 0x08 and rest[at + 9 : at + 25] == times)
     (count,) = struct.unpack_from("<I", rest, entry + 41)
     struct.pack_into("<Q", rest, entry + 33, len(chunk))

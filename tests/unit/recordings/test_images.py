@@ -1,4 +1,4 @@
-"""Images of a recording: shown where they are asked for, thinned for the player, with the calibration beside them."""
+"""Images of a recording: shown on request, thinned for the player, with their calibration."""
 
 from __future__ import annotations
 

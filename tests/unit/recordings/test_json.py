@@ -1,4 +1,4 @@
-"""Recordings whose messages are in JSON or in protobuf, with Foxglove's schemas, ROS's or no schema at all."""
+"""Recordings whose messages are in JSON or in protobuf, with schemas of Foxglove or ROS, or without a schema."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STAMP = {"sec": 1_700_000_000, "nsec": 5}
 
 
 def write(path: Path, topics: Mapping[str, tuple[str, Iterable[Any]]]) -> Path:
-    """A file of messages in JSON, ten a second; each topic has the name of its schema, which may be empty."""
+    """A file of messages in JSON, ten per second; each topic has the name of its schema, which may be empty."""
     with path.open("wb") as file:
         writer = Writer(file)
         writer.start("", "test")
@@ -136,7 +136,7 @@ class TestOtherJson:
             assert recording.topics[0].type == "json/msg/Message"
 
     @pytest.mark.parametrize("wrong", [b"{", b"[1]", b"7", b"\xff", b"[" * 100_000], ids=lambda raw: repr(raw[:3]))
-    def test_that_is_no_message_is_left_out_and_named(self, tmp_path: Path, wrong: bytes) -> None:
+    def test_that_is_not_a_message_is_left_out_and_named(self, tmp_path: Path, wrong: bytes) -> None:
         path = write(tmp_path / "x.mcap", {"/state": ("", [{"x": 1}, wrong, {"x": 3}])})
         with robowidgets.open(path) as recording:
             assert [one.message.x for one in recording.messages("/state")] == [1.0, 3.0]

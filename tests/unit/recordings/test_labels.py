@@ -1,4 +1,4 @@
-"""The names that people give to spans of recordings."""
+"""The names that users give to spans of recordings."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def drive(tmp_path: Path) -> Path:
     return tmp_path / "drive.mcap"
 
 
-def test_a_label_is_kept_beside_the_recording_read_again_and_searched(drive: Path, tmp_path: Path) -> None:
+def test_a_label_is_kept_next_to_the_recording_read_again_and_searched(drive: Path, tmp_path: Path) -> None:
     with robowidgets.open(drive) as recording:
         assert recording.labels == ()
         recording.label("door", 12.0, 14.5)
@@ -69,7 +69,7 @@ def test_a_label_that_was_taken_away_is_gone_its_line_stays_and_it_can_be_given_
         assert recording.labels == (wall, door)
 
 
-def test_a_damaged_line_is_told_and_stays_and_the_others_are_read(drive: Path) -> None:
+def test_a_damaged_line_is_reported_and_stays_and_the_others_are_read(drive: Path) -> None:
     file = drive.parent / FILE
     with robowidgets.open(drive) as recording:
         recording.label("door", 1.0, 2.0)
@@ -85,7 +85,7 @@ def test_a_damaged_line_is_told_and_stays_and_the_others_are_read(drive: Path) -
     assert file.read_bytes().startswith(cut)
 
 
-def test_a_line_that_a_person_edited_says_the_same_to_labels_and_to_a_search(drive: Path) -> None:
+def test_an_edited_line_means_the_same_to_labels_and_to_a_search(drive: Path) -> None:
     file = drive.parent / FILE
     with robowidgets.open(drive) as recording:
         recording.label("door", 1.0, 2.0)
@@ -100,7 +100,7 @@ def test_a_line_that_a_person_edited_says_the_same_to_labels_and_to_a_search(dri
 
 
 @pytest.mark.parametrize("end", ["1e999", "1e300", "1" + 400 * "0"])
-def test_a_time_without_nanoseconds_is_none_of_a_label(drive: Path, end: str) -> None:
+def test_a_time_without_nanoseconds_is_not_the_time_of_a_label(drive: Path, end: str) -> None:
     (drive.parent / FILE).write_text(f'{{"file": "drive.mcap", "label": "door", "start": 1, "end": {end}}}\n')
     with robowidgets.open(drive) as recording:
         assert recording.labels == ()
@@ -109,7 +109,7 @@ def test_a_time_without_nanoseconds_is_none_of_a_label(drive: Path, end: str) ->
             recording.label("door", 1.0, 1e300)
 
 
-def test_labels_are_those_of_the_recording_however_its_path_is_written(
+def test_labels_match_the_recording_however_its_path_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     speeds = [(float(second), "/speed", {"linear": {"x": 1.0}}) for second in (0, 9)]
@@ -134,7 +134,7 @@ def test_a_folder_above_a_link_is_the_one_of_its_target(tmp_path: Path) -> None:
         assert recording.path == tmp_path / "disk" / "drive.mcap"
 
 
-def test_what_is_no_label_is_refused(drive: Path) -> None:
+def test_what_is_not_a_label_is_refused(drive: Path) -> None:
     with robowidgets.open(drive) as recording:
         with pytest.raises(TypeError, match="expected a name"):
             recording.label(3, 1.0, 2.0)  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""MCAP files as other programs than ROS's recorder write them: names, summaries and definitions."""
+"""MCAP files from other programs than ROS's recorder: names, summaries and definitions."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def scans(count: int = 40) -> list[tuple[float, str, bytes]]:
     return [(i / 10, "/scan", encode("cdr", "sensor_msgs/msg/LaserScan", SCAN)) for i in range(count)]
 
 
-def test_a_schema_name_of_two_parts_is_that_of_the_type(tmp_path: Path) -> None:
+def test_a_schema_name_of_two_parts_is_the_name_of_the_type(tmp_path: Path) -> None:
     scan = ("sensor_msgs/LaserScan", "ros2msg", text_of("sensor_msgs/msg/LaserScan"), "cdr")
     number = ("std_msgs/Float64", "ros2msg", b"float64 data", "cdr")
     numbers = [(i / 10, "/v", encode("cdr", "std_msgs/msg/Float64", {"data": i})) for i in range(40)]

@@ -1,4 +1,4 @@
-"""Scanners that stand turned on the robot of a recording: by its tf, or by hand, all angles are the robot's."""
+"""Scanners that are mounted turned on the robot of a recording: by tf or by hand, all angles are the robot's."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_a_mount_by_hand_holds_in_what_a_player_sends_ahead_and_on_pages(turned:
 
 
 def test_a_scan_made_of_a_depth_image_needs_no_recording_of_another_thread(tmp_path: Path) -> None:
-    """What a thread opened to send frames ahead is closed again: the widget does not read from it."""
+    """A file that a thread opened to send frames ahead is closed again: the widget does not read from it."""
     recording = robowidgets.open(camera_drive.write(tmp_path / "drive"))
     player = recording.show("/camera/depth/image_rect_raw as scan")
     with player._open_tracks():
@@ -156,7 +156,7 @@ def test_a_scanner_on_its_head_and_one_in_tf_that_is_not_static(tmp_path: Path) 
 
 
 def test_a_scanner_that_moves_on_its_robot_has_the_angles_of_each_time(tmp_path: Path) -> None:
-    """It looks ahead for five seconds, and then to the left; the wall stays where the scanner looks."""
+    """It looks ahead for five seconds, then to the left; the wall stays in the scanner's direction."""
     of_tf = [(0.05 * i, "/tf", stamped(tf("laser", 0.0 if i < 100 else pi / 2), 0.05 * i)) for i in range(200)]
     with written(tmp_path, Mount(), *of_tf) as recording:
         scans = recording.scans()
@@ -181,7 +181,7 @@ def test_a_transform_without_a_pose_is_left_out_and_named(tmp_path: Path) -> Non
 
 
 def test_a_real_robot_whose_scanner_looks_backwards(data: Path) -> None:
-    """The tf of a Neato turns its scanner by 180 degrees, and by its odometry walls move as they should then."""
+    """The tf of a Neato turns its scanner by 180 degrees; then walls move as its odometry predicts."""
     with robowidgets.open(data / "good/neato_fsm") as recording:
         assert recording.scans("/scan")[0].sample.mount.words in ("turned 180.0° by tf", "turned -180.0° by tf")
         assert not [one for one in recording.doctor().problems if "walls" in one.what]
@@ -223,7 +223,7 @@ def odometry(x: float, yaw: float, seconds: float) -> dict[str, Any]:
 
 
 def room(x: float, yaw: float, mount: Mount, seconds: float) -> dict[str, Any]:
-    """What a scanner measures in a room from (-2, -1) to (4, 3)."""
+    """The measurements of a scanner in a room from (-2, -1) to (4, 3)."""
     own = -pi + np.arange(360) * radians(1)
     world = np.array([mount.to_robot(angle) for angle in own]) + yaw
     with np.errstate(divide="ignore"):

@@ -1,4 +1,4 @@
-"""What is known of a topic that falls silent."""
+"""The known state of a topic that falls silent."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ S = 1_000_000_000
     ("times", "usual"),
     [([], 0), ([5], 0), ([5, 5], 0), ([0, 1, 2, 100], 1), ([0, 0, 0, 3, 3, 3, 6], 3)],
 )
-def test_the_usual_step_is_the_median_of_those_that_go_on(times: list[int], usual: int) -> None:
+def test_the_usual_step_is_the_median_of_the_continuing_ones(times: list[int], usual: int) -> None:
     assert usual_step(np.array(times, np.int64)) == usual
 
 
@@ -54,7 +54,7 @@ def test_only_what_depends_on_an_old_sample_is_unknown() -> None:
     held = steps(np.array(fast) * S, [YES] * 8)
     depends = [True, True, True, True, False, False, True, True]
     assert [value for _, value in aged(held, (slow, depends), (fast, [True] * 8), end=7)] == [
-        *(YES, YES, UNKNOWN, UNKNOWN, UNKNOWN),  # what was known a step after 1 s, and what was found at 2 and 3 s
+        *(YES, YES, UNKNOWN, UNKNOWN, UNKNOWN),  # the state known a step after 1 s, and the results at 2 and 3 s
         *(YES, YES, YES, YES),
     ]
     depends = [True, False, False, False, False, False, True, True]

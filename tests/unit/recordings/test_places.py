@@ -62,7 +62,7 @@ def test_a_recording_tells_when_the_robot_was_at_a_place(runs: Path) -> None:
         assert slow.seconds_near((4.4, 0, "0deg")) == pytest.approx(10.0)
 
 
-def test_a_scan_was_made_between_two_poses_and_nobody_knows_where_long_after_the_last(tmp_path: Path) -> None:
+def test_the_place_of_a_scan_is_between_two_poses_and_unknown_long_after_the_last(tmp_path: Path) -> None:
     poses = [
         (seconds, "/odom", {"pose": {"pose": {"orientation": {"z": sin(yaw / 2), "w": cos(yaw / 2)}}}})
         for seconds, yaw in ((0.0, 3.0), (1.0, -3.0))
@@ -73,7 +73,7 @@ def test_a_scan_was_made_between_two_poses_and_nobody_knows_where_long_after_the
         assert places_of(recording).poses[:, 2] == pytest.approx([pi, 2 * pi - 3.0, np.nan], nan_ok=True)
 
 
-def test_nobody_knows_where_a_scan_was_made_while_odometry_was_silent(tmp_path: Path) -> None:
+def test_the_place_of_a_scan_is_unknown_while_odometry_was_silent(tmp_path: Path) -> None:
     poses = [
         (seconds, "/odom", {"pose": {"pose": {"position": {"x": x}, "orientation": {"w": 1.0}}}})
         for seconds, x in ((0.0, 0.0), (60.0, 10.0), (61.0, 11.0))
@@ -85,7 +85,7 @@ def test_nobody_knows_where_a_scan_was_made_while_odometry_was_silent(tmp_path: 
         assert recording.seconds_near((5.0, 0.0, 0.0)) is None
 
 
-def test_what_is_no_place_is_refused(runs: Path) -> None:
+def test_what_is_not_a_place_is_refused(runs: Path) -> None:
     with open(runs / "slow") as slow, open(runs / "blind") as blind:
         with pytest.raises(RecordingError, match=r"blind has no odometry.*record nav_msgs/Odometry"):
             blind.seconds_near((0, 0, 0))
@@ -97,7 +97,7 @@ def test_what_is_no_place_is_refused(runs: Path) -> None:
             slow.seconds_near((0, 0, 0), within=np.nan)
 
 
-def test_a_player_follows_another_to_the_same_place_and_stays_where_there_is_none(show: Show) -> None:
+def test_a_player_follows_another_to_the_same_place_and_stays_if_there_is_none(show: Show) -> None:
     fast, slow = show("fast"), show("slow")
     fast.time = 1.0
     slow.follow(fast)
@@ -139,7 +139,7 @@ def test_a_follower_takes_the_place_where_its_odometry_starts(show: Show) -> Non
     assert elsewhere.time == pytest.approx(4.0), "it follows as before"
 
 
-def test_a_player_whose_scans_and_poses_are_of_other_times_follows_nobody(show: Show, tmp_path: Path) -> None:
+def test_a_player_whose_scans_and_poses_have_different_times_follows_no_player(show: Show, tmp_path: Path) -> None:
     pose = (0.0, "/odom", {"pose": {"pose": {"orientation": {"w": 1.0}}}})
     scan = (5.0, "/scan", sweeps.scan(START_NS, [1.0]))
     path = recorded.write(tmp_path / "late", {"/odom": "nav_msgs/msg/Odometry", "/scan": sweeps.TYPE}, [pose, scan])
@@ -147,7 +147,7 @@ def test_a_player_whose_scans_and_poses_are_of_other_times_follows_nobody(show: 
         show(str(path)).follow(show("fast"))
 
 
-def test_who_cannot_be_followed_is_refused(show: Show) -> None:
+def test_a_player_that_cannot_be_followed_is_refused(show: Show) -> None:
     fast, slow, blind = show("fast"), show("slow"), show("blind")
     slow.follow(fast)
     for player, other in ((fast, fast), (fast, slow)):
@@ -168,7 +168,7 @@ def test_a_follower_that_is_closed_lets_the_other_go_on(show: Show) -> None:
     assert fast.time == 3.0
 
 
-def test_a_page_in_a_file_follows_nobody(show: Show, tmp_path: Path) -> None:
+def test_a_page_in_a_file_follows_no_player(show: Show, tmp_path: Path) -> None:
     slow = show("slow")
     slow.follow(show("fast"))
     assert slow.to_html(tmp_path / "slow.html").is_file()
@@ -178,9 +178,7 @@ def test_a_page_in_a_file_follows_nobody(show: Show, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("file", "until", "most"), [("good/turtlebot3_gazebo.bag", 46.0, 0.1), ("good/edmonton.log.gz", 450.0, 0.5)]
 )
-def test_real_scans_of_a_second_round_are_like_those_of_the_first(
-    data: Path, file: str, until: float, most: float
-) -> None:
+def test_real_scans_of_a_second_round_resemble_the_first(data: Path, file: str, until: float, most: float) -> None:
     with open(data / file) as recording:
         places, topic = places_of(recording), recording.scans().topic
         first, second = (

@@ -1,4 +1,4 @@
-"""What is sent ahead to the page is what the widgets show at each time."""
+"""The frames that are sent ahead to the page equal the frames that the widgets show at each time."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_each_segment_begins_with_what_holds_and_goes_on_in_order(player: Player
 
 
 def news(player: Player, kind: type, role: str = "") -> list[float]:
-    """The times of the frames of a widget with which a sample came, segment for segment as the page reads them."""
+    """The times of the frames of a widget with a new sample, segment by segment as the page reads them."""
     (view,) = (view for view in player.views if isinstance(view.widget, kind))
     found = []
     for start in range(int(player.recording.duration) + 1):
@@ -119,7 +119,7 @@ def test_frames_tell_with_which_of_them_a_message_came(path: Path, of: str) -> N
     player.close()
 
 
-def test_frames_of_speeds_have_no_peaks_which_would_be_those_of_one_moment(player: Player) -> None:
+def test_frames_of_speeds_have_no_peaks_because_a_peak_is_of_one_moment(player: Player) -> None:
     (view,) = (view for view in player.views if isinstance(view.widget, SpeedWidget))
     readings = [view.widget._unpack(timed.frame) for timed in view.track.frames(0.0, 2.0)]
     assert any(reading.measured for reading in readings)

@@ -64,7 +64,7 @@ def sending(track: Track, duration: float, clock: Clock = scheduler.clock) -> It
         prefetcher.close()
 
 
-def test_a_page_that_is_not_heard_for_three_seconds_gets_what_is_on_show_and_no_more() -> None:
+def test_a_page_that_is_silent_for_three_seconds_gets_only_the_present_view() -> None:
     clock = ManualClock()
     with sending(Track(), 100, clock) as (prefetcher, page):
         prefetcher.set_time(40.2, 0.0, (0.0, 100.0))
@@ -149,7 +149,7 @@ def test_what_is_stale_is_dropped_from_the_page() -> None:
         prefetcher.start()
         wait_for(lambda: any(page.dropped), "something was dropped")
         first = next(i for i, dropped in enumerate(page.dropped) if dropped)
-        assert page.has[first] == 900, "the time on show comes anew"
+        assert page.has[first] == 900, "the time on show comes again"
         assert {*page.dropped[first], 900} == {*page.has[:first], 900}
 
 
@@ -160,7 +160,7 @@ def test_at_the_end_of_what_is_looped_its_start_comes() -> None:
         wait_for(lambda: {52, 53, 54, 20, 21} <= set(page.has), "the start of the loop came")
 
 
-def test_a_page_that_was_loaded_anew_gets_all_again() -> None:
+def test_a_page_that_was_reloaded_gets_all_again() -> None:
     with sending(Track(), 3) as (prefetcher, page):
         prefetcher.start()
         wait_for(lambda: page.has == [0, 1, 2, 3], "all came")
@@ -190,7 +190,7 @@ def test_the_page_keeps_no_more_than_it_may(monkeypatch: pytest.MonkeyPatch) -> 
             assert len(page.bytes) < 40
 
 
-def test_what_a_person_points_at_was_sent_when_who_handed_it_on_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_moment_under_the_pointer_is_sent_when_its_caller_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "ANSWER", 30.0)
     with sending(Track(), 50_000) as (prefetcher, page):
         prefetcher.start()
@@ -200,10 +200,10 @@ def test_what_a_person_points_at_was_sent_when_who_handed_it_on_goes_on(monkeypa
         assert not {29_999, 30_001, 39_999, 40_001, 49_999} & page.bytes.keys()
 
 
-def test_what_plays_comes_before_what_a_person_points_at_and_nobody_waits_for_that(
+def test_playing_comes_before_pointing_and_no_caller_waits_for_pointing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(module, "ANSWER", 1000.0)  # who waits for that, waits for too long
+    monkeypatch.setattr(module, "ANSWER", 1000.0)  # a waiting caller waits too long for it
     with sending(Track(), 1000) as (prefetcher, page):
         prefetcher.set_time(50.0, 10.0, (0.0, 1000.0))
         prefetcher.start()
@@ -212,7 +212,7 @@ def test_what_plays_comes_before_what_a_person_points_at_and_nobody_waits_for_th
         assert set(range(50, 150)) <= set(page.has[: page.has.index(700)])
 
 
-def test_a_full_page_keeps_what_a_person_points_at_until_it_is_others(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_page_keeps_the_moment_under_the_pointer_until_it_is_another(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "KEPT_BYTES", 40_000)
     with sending(Track(1000), 10_000) as (prefetcher, page):
         prefetcher.start()
@@ -262,14 +262,14 @@ def test_what_is_soon_shown_takes_half_of_what_a_page_keeps_at_most(monkeypatch:
         assert sum(page.bytes.values()) <= 40_000
 
 
-def test_a_recording_that_cannot_be_read_on_is_told() -> None:
+def test_a_recording_that_cannot_be_read_on_is_reported() -> None:
     with sending(Track(fails_at=2.0, error=RecordingError("drive.bag: cut off")), 100) as (prefetcher, page):
         prefetcher.start()
         wait_for(lambda: page.words, "it was set_to")
         assert (page.has, page.words) == ([0, 1], ["drive.bag: cut off"])
 
 
-def test_an_unforeseen_error_is_told_and_logged(caplog: pytest.LogCaptureFixture) -> None:
+def test_an_unforeseen_error_is_reported_and_logged(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.ERROR), sending(Track(fails_at=0.0, error=KeyError("x")), 10) as (prefetcher, page):
         prefetcher.start()
         wait_for(lambda: page.words, "it was set_to")
@@ -306,7 +306,7 @@ def test_with_nothing_to_do_for_ten_minutes_it_has_no_thread_and_no_file_until_t
         assert threads_named(PLAYER) == 0
 
 
-def test_its_thread_ends_at_once_when_all_was_sent_and_begins_anew_for_a_page_that_was_loaded_again() -> None:
+def test_its_thread_ends_at_once_when_all_was_sent_and_begins_again_for_a_page_that_was_loaded_again() -> None:
     with sending(Track(), 3) as (prefetcher, page):
         for times in (1, 2):
             prefetcher.start()

@@ -1,4 +1,4 @@
-"""What a recording holds of the program that drove: its versions and its states."""
+"""The data of a recording about the program that drove: its versions and its states."""
 
 from __future__ import annotations
 

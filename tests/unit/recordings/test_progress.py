@@ -1,4 +1,4 @@
-"""What takes long shows a bar, and only one."""
+"""Long work shows a bar, and only one."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_the_bar_of_a_notebook_leaves_nothing_behind_unless_it_failed(monkeypatc
     before = len(comms)
     with progress.Progress(10, "Reading") as bar:
         bar.update(5)
-        assert len(comms) == before, "nothing is made for what is quick"
+        assert len(comms) == before, "quick work makes no bar"
         monkeypatch.setattr(progress, "SHOWN_AFTER", 0)
         bar.update(1)
         assert len(comms) > before

@@ -1,4 +1,4 @@
-"""Real recordings, each with what its list says of it."""
+"""Real recordings, each with its entry in the list."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ SCANS = {
 
 NO_WIDGET = "none of its topics has a widget for its kind of sensor"
 
-# file: samples by topic, and the beginnings of the lines that say what is wrong
+# file: samples by topic, and the beginnings of the lines of its problems
 ODD = {
     "no_slash_topic_minus_inf.bag": ({"right_scan": 296}, []),
     "stamps_a_year_off.bag": ({"/training_scan": 197}, []),

@@ -1,4 +1,4 @@
-"""`Recording`: what a person asks of it."""
+"""`Recording` and its methods."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class TestSamples:
     @pytest.mark.parametrize(
         "read", [lambda recording: list(recording.samples()), lambda recording: recording.speeds()]
     )
-    def test_of_two_frames_on_one_topic_are_told_once_they_were_read(
+    def test_of_two_frames_on_one_topic_are_reported_once_they_were_read(
         self, tmp_path: Path, read: Callable[[Recording], Iterable[Moment]]
     ) -> None:
         with open(robot.write(tmp_path / "two", second_frame="robot2/base_link")) as recording:
@@ -217,19 +217,19 @@ class TestErrors:
         with pytest.raises(UnknownTopicError, match=r"\(no definition of its messages\): topics that can: none$"):
             check("/odd", (topic,), "drive")
 
-    def test_name_a_topic_that_is_no_text(self, recording: Recording) -> None:
+    def test_name_a_topic_that_is_not_a_text(self, recording: Recording) -> None:
         with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan', '/odom'\]"):
             recording.show(["/scan", "/odom"])  # type: ignore[arg-type]
         with pytest.raises(TypeError, match="expected the name of a topic as text, got None"):
             recording.at(None, 1.0)  # type: ignore[arg-type]
 
     @pytest.mark.parametrize("value", [None, "5", 1j])
-    def test_name_a_time_that_is_no_number(self, recording: Recording, value: object) -> None:
+    def test_name_a_time_that_is_not_a_number(self, recording: Recording, value: object) -> None:
         with pytest.raises(TypeError, match="seconds: expected seconds from the start of the recording, got"):
             recording.at("/scan", value)  # type: ignore[arg-type]
 
     @pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e300])
-    def test_name_a_time_that_is_none(self, recording: Recording, value: float) -> None:
+    def test_name_an_invalid_time(self, recording: Recording, value: float) -> None:
         with pytest.raises(ValueError, match="seconds: expected seconds from the start of the recording, got"):
             recording.at("/scan", value)
         with pytest.raises(ValueError, match="end: expected seconds"):

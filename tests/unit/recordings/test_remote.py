@@ -1,4 +1,4 @@
-"""Recordings behind a URL: fetched once, kept within a limit, and never half."""
+"""Recordings behind a URL: fetched once, within a size limit, and never half."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def test_a_folder_of_several_recordings_is_not_fetched(memory: Any, reads: list[
 
 
 @pytest.mark.parametrize("size", ["much", "-3 GB", "10 XB"])
-def test_a_limit_that_is_no_size_is_told(memory: Any, monkeypatch: pytest.MonkeyPatch, size: str) -> None:
+def test_a_limit_that_is_not_a_size_is_reported(memory: Any, monkeypatch: pytest.MonkeyPatch, size: str) -> None:
     monkeypatch.setenv("ROBOWIDGETS_CACHE_SIZE", size)
     with pytest.raises(
         robowidgets.RecordingError, match="ROBOWIDGETS_CACHE_SIZE: expected a size such as '20 GB', got"
@@ -197,7 +197,7 @@ def test_what_a_killed_process_left_is_removed(memory: Any, cache: Path) -> None
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a disk that is always full")
-def test_a_full_disk_is_told_and_leaves_nothing(memory: Any, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_is_reported_and_leaves_nothing(memory: Any, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     opened = Path.open
 
     def on_full_disk(self: Path, mode: str = "r", *args: Any, **kwargs: Any) -> Any:
@@ -212,7 +212,7 @@ def test_a_full_disk_is_told_and_leaves_nothing(memory: Any, cache: Path, monkey
     assert not parts(cache)
 
 
-def test_a_disk_with_less_room_is_told_before_anything_is_fetched(
+def test_a_disk_with_less_room_is_reported_before_anything_is_fetched(
     reads: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     usage = shutil.disk_usage("/")
@@ -241,7 +241,7 @@ def test_an_interrupt_leaves_nothing(memory: Any, cache: Path, monkeypatch: pyte
         ("memory://", "no recording in this folder"),
     ],
 )
-def test_a_wrong_url_is_told(memory: Any, url: str, error: str) -> None:
+def test_a_wrong_url_is_reported(memory: Any, url: str, error: str) -> None:
     with pytest.raises(robowidgets.RecordingError, match=error):
         robowidgets.open(url)
 
@@ -249,7 +249,7 @@ def test_a_wrong_url_is_told(memory: Any, url: str, error: str) -> None:
 @pytest.mark.parametrize(
     ("missing", "text"), [("fsspec.core", "needs fsspec"), ("s3fs", "its driver is missing .*s3fs")]
 )
-def test_a_missing_driver_is_told_with_the_command_that_brings_it(
+def test_a_missing_driver_is_reported_with_the_command_that_brings_it(
     monkeypatch: pytest.MonkeyPatch, missing: str, text: str
 ) -> None:
     monkeypatch.setitem(sys.modules, missing, None)
@@ -285,7 +285,7 @@ def test_the_command_takes_a_url(memory: Any, capsys: pytest.CaptureFixture[str]
 
 
 class Server(ThreadingHTTPServer):
-    """A web server that may cut connections, ask for a password, or tell nothing of the state of its files."""
+    """A web server that may cut connections, ask for a password, or send no version of its files."""
 
     cut = 0
     status = 200
@@ -356,7 +356,7 @@ def test_a_server_that_tells_no_state_is_read_each_time(server: Server) -> None:
     assert remote.state_of(url_of(server)) is None
 
 
-def test_a_connection_lost_in_the_middle_leaves_nothing_and_is_told(server: Server, cache: Path) -> None:
+def test_a_connection_lost_in_the_middle_leaves_nothing_and_is_reported(server: Server, cache: Path) -> None:
     server.cut = len(DATA) // 2
     with pytest.raises(robowidgets.RecordingError, match=r"drive\.mcap: .*which were discarded") as e:
         robowidgets.open(url_of(server))
@@ -371,7 +371,7 @@ def test_a_connection_lost_in_the_middle_leaves_nothing_and_is_told(server: Serv
     ("status", "name", "error"),
     [(403, "a.mcap", "no permission to read it .*credentials"), (200, "none.mcap", "no such object")],
 )
-def test_what_a_web_server_refuses_is_told(server: Server, status: int, name: str, error: str) -> None:
+def test_what_a_web_server_refuses_is_reported(server: Server, status: int, name: str, error: str) -> None:
     server.status = status
     with pytest.raises(robowidgets.RecordingError, match=error):
         robowidgets.open(url_of(server, name))
@@ -387,7 +387,7 @@ def signed_by(server: Server, secret: str = SECRET) -> str:
 
 @pytest.fixture
 def guarded(server: Server, monkeypatch: pytest.MonkeyPatch) -> Server:
-    """A server that gives its file to whoever has the signature; this process knows no URL yet."""
+    """A server that sends its file for the right signature; this process has no URL yet."""
     monkeypatch.setattr(remote, "_given", {})
     server.signature = SECRET
     return server
@@ -456,7 +456,7 @@ def test_a_signature_made_again_is_the_same_recording_and_needs_no_second_fetch(
     assert guarded.fetched == 1
 
 
-def test_a_server_that_is_not_there_is_told(server: Server) -> None:
+def test_a_server_that_is_not_there_is_reported(server: Server) -> None:
     with Server(("127.0.0.1", 0), Handler) as gone:
         url = url_of(gone)
     with pytest.raises(robowidgets.RecordingError, match=r"cannot be read: ConnectionRefused"):

@@ -1,4 +1,4 @@
-"""Messages from bytes, whatever definition a file holds of them."""
+"""Messages from bytes, with any definition in the file."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ def test_a_type_without_a_definition_is_read_by_ours() -> None:
     assert (message.bumper, message.state) == (2, 1)
 
 
-def test_a_type_without_a_definition_is_read_by_that_of_ros() -> None:
+def test_a_type_without_a_definition_is_read_by_the_definition_of_ros() -> None:
     assert read(b"\0\1\0\0\x01", "std_msgs/msg/Bool").data is True
     header = struct.pack("<IIII", 5, 1, 2, 3) + b"map"
     assert read(header, "std_msgs/msg/Header", encoding="ros1").frame_id == "map"
 
 
-def test_what_a_definition_uses_and_leaves_out_is_that_of_ros() -> None:
+def test_types_that_a_definition_uses_and_leaves_out_are_those_of_ros() -> None:
     message = read(b"\0\1\0\0" + struct.pack("<3d", 1, 2, 3), "my_msgs/msg/Push", "geometry_msgs/Vector3 force\n")
     assert message.force.z == 3.0
 
 
-def test_constants_are_no_fields_however_they_are_named() -> None:
+def test_constants_are_not_fields_however_they_are_named() -> None:
     definition = "uint8 Button0 = 0\nuint8 Button1 = 1\nstring NAME=#1 = one\n\nuint8 button\nuint8 state\n"
     message = read(b"\x01\x01", "kobuki_msgs/msg/ButtonEvent", definition, "ros1")
     assert (message.button, message.state) == (1, 1)
@@ -72,7 +72,7 @@ def test_a_type_that_no_file_defines_is_read_as_its_encoding_has_it() -> None:
 
 
 @pytest.mark.parametrize("definition", ["", "int64 a\n---\nint64 sum\n"])
-def test_a_type_that_nobody_knows_is_refused(definition: str) -> None:
+def test_an_unknown_type_is_refused(definition: str) -> None:
     with pytest.raises(DecodeError, match=r"nor among those that are known|no other is known"):
         decoder_of(channel("led_array_msgs/msg/Status", definition))
     with pytest.raises(DecodeError, match=r"nor among those that are known|no other is known"):
@@ -80,7 +80,7 @@ def test_a_type_that_nobody_knows_is_refused(definition: str) -> None:
 
 
 @pytest.mark.parametrize("raw", [b"", b"\0\1\0\0", b"\xff" * 40, b"\0\1\0\0" + b"\xff" * 30])
-def test_bytes_that_are_no_such_message_are_refused_in_a_line(raw: bytes) -> None:
+def test_bytes_that_are_not_such_a_message_are_refused_in_a_line(raw: bytes) -> None:
     with pytest.raises(DecodeError, match=r"^\d+ bytes are not a valid sensor_msgs/msg/LaserScan: ") as caught:
         read(raw, "sensor_msgs/msg/LaserScan")
     assert "\n" not in str(caught.value)

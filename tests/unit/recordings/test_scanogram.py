@@ -58,7 +58,7 @@ def test_a_real_bump_is_where_it_was(data: Path) -> None:
     assert picture.touch.spans[:, 0] == pytest.approx([21.96, 21.96], abs=0.01)
 
 
-def test_a_recording_too_large_to_hold_is_read_again_where_it_is_looked_at(
+def test_a_recording_too_large_for_memory_is_read_again_on_access(
     sample: robowidgets.Recording, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     held = picture_of(sample.scanogram())
@@ -198,7 +198,7 @@ def test_a_slice_of_seconds_picks_too(sample: robowidgets.Recording) -> None:
 @pytest.mark.parametrize(
     ("which", "error"), [("/scan", TypeError), (3, TypeError), ((4, 2), ValueError), (slice(0, 9, 2), TypeError)]
 )
-def test_what_is_no_span_of_time_is_refused_with_words(
+def test_what_is_not_a_span_of_time_is_refused_with_words(
     sample: robowidgets.Recording, which: object, error: type[Exception]
 ) -> None:
     with pytest.raises(error, match=r"recording\[\.\.\.\]: expected .*; got"):

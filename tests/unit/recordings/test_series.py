@@ -216,7 +216,7 @@ class TestPicking:
         with pytest.raises(RecordingError, match="/scan: the topic has no samples"):
             scans[:0].at(1)
 
-    def test_the_topic_may_be_left_out_where_there_is_one(self, drive: robowidgets.Recording, tmp_path: Path) -> None:
+    def test_the_topic_may_be_left_out_if_there_is_only_one(self, drive: robowidgets.Recording, tmp_path: Path) -> None:
         assert drive.scans().topic == "/scan"
         assert drive.speeds().topic == "/odom"  # /cmd_vel is commanded
         assert drive.touches().topic == "/bumper"
@@ -265,7 +265,7 @@ class TestRayCounts:
         with pytest.raises(RecordingError, match=r"have no common angles, because their geometry changes \(2 kinds\)"):
             _ = scans.angles
 
-    def test_intensities_that_come_and_go_are_nan_where_there_are_none(self, tmp_path: Path) -> None:
+    def test_intensities_that_come_and_go_are_nan_if_there_are_none(self, tmp_path: Path) -> None:
         some = [(0, sweeps.scan(START_NS, [1.0] * 3, [5.0] * 3)), (1, sweeps.scan(START_NS, [1.0] * 3))]
         np.testing.assert_array_equal(open_sweeps(tmp_path, *some).scans().intensities, [[5.0] * 3, [NAN] * 3])
 
@@ -290,7 +290,7 @@ class TestClocks:
         assert sorted(scans.between(1.0, 1.45).ranges[:, 0].tolist()) == [6, 8, 10, 11, 13, 15]
         assert scans.at(0.61).sample.ranges[0] in (2, 7)
 
-    def test_are_told_of_the_recording_once_they_were_read_and_after_it_is_closed(self, tmp_path: Path) -> None:
+    def test_are_problems_of_the_recording_once_they_were_read_and_after_it_is_closed(self, tmp_path: Path) -> None:
         recording = open_sweeps(tmp_path, *((0.0, sweeps.scan(START_NS, [1.0])) for _ in range(20)))
         assert recording.problems == ()
         assert len(recording.scans()) == 20
@@ -299,7 +299,7 @@ class TestClocks:
         recording.close()
         assert recording.problems == told
 
-    def test_that_stand_still_or_jump_are_told(self, tmp_path: Path) -> None:
+    def test_that_stand_still_or_jump_are_reported(self, tmp_path: Path) -> None:
         still = open_sweeps(tmp_path, *((0, sweeps.scan(START_NS, [1.0])) for _ in range(20))).scans()
         assert still.problems == ("the clock stands still: 19 of 20 samples bear the time of the one before",)
         times = [0.1 * i + 4000 * (i > 5) for i in range(10)]
@@ -340,7 +340,7 @@ class TestMemory:
             whole = chunk.ranges
             while isinstance(whole, np.ndarray) and whole.base is not None:
                 whole = whole.base
-            assert memoryview(whole).nbytes <= 2 * chunk.ranges.nbytes  # no view of all that was read
+            assert memoryview(whole).nbytes <= 2 * chunk.ranges.nbytes  # not a view of all that was read
         assert 1_000_000 < max(seen) <= 3_000_000
         assert [moment.seconds for moment in scans[::1500]] == [0, 150]
 
@@ -362,7 +362,7 @@ class TestMemory:
             ("1 GB", TypeError, "expected a whole number of bytes, got '1 GB'"),
         ],
     )
-    def test_a_limit_that_is_none_is_refused(
+    def test_an_invalid_limit_is_refused(
         self, drive: robowidgets.Recording, limit: Any, error: type[Exception], text: str
     ) -> None:
         with pytest.raises(error, match=f"memory: {text}"):
@@ -441,7 +441,7 @@ class TestTouches:
         assert [(round(t, 3), state, said) for t, state, said in rows] == [
             (0.0, 1, True),
             (0.1, 1, True),
-            (0.2, 1, True),  # left out, and held for 0.15 s after it was listed last
+            (0.2, 1, True),  # left out, and held for 0.15 s after it was last listed
             (0.25, 0, False),
             (2.0, 1, True),
             (2.15, 0, False),

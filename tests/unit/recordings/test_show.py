@@ -1,4 +1,4 @@
-"""A recording on the page: which widgets, and what they show at a time."""
+"""A recording on the page: its widgets, and their content at a time."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ class TestATopicWithoutAMessage:
             assert recording.scanogram().title == "/scan"
             assert recording.problems == ()
 
-    def test_is_told_where_there_is_no_other(self, tmp_path: Path) -> None:
+    def test_is_reported_if_there_is_no_other(self, tmp_path: Path) -> None:
         path = recorded.write(
             tmp_path / "x", {"/scan": sweeps.TYPE, "/words": "std_msgs/msg/String"}, [(0, "/words", {"data": "hi"})]
         )
@@ -252,7 +252,7 @@ class TestTouches:
         with shown(self.write(tmp_path, *bumps), scanogram=False) as player:
             assert player.marks == ((12, 14.25, "left"), (15, 16, "left"))
 
-    def test_of_topics_that_are_not_shown_are_none(self, tmp_path: Path) -> None:
+    def test_of_topics_that_are_not_shown_are_left_out(self, tmp_path: Path) -> None:
         with shown(self.write(tmp_path, ("/bump", 12, 13.5)), "/scan") as player:
             assert player.marks == ()
 
@@ -268,7 +268,7 @@ class TestTouches:
                 assert touch_marks(recording, ["/bump"]) == []
 
 
-def test_what_is_set_of_playing_reaches_the_bar_and_back(player: Player) -> None:
+def test_settings_of_playing_reach_the_bar_and_back(player: Player) -> None:
     player.speed, player.loop, player.selection = 2, True, (2, 3)
     player.marks = [(4, 5, "late"), (1, 1.5, "early")]
     bar = player.bar
@@ -281,7 +281,7 @@ def test_what_is_set_of_playing_reaches_the_bar_and_back(player: Player) -> None
     assert bar.span == (2.0, 10.0)
 
 
-def test_one_who_observes_the_time_may_set_it(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_observer_of_the_time_may_set_it(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
     sent: list[object] = []
     monkeypatch.setattr(player.bar, "send", sent.append)
     player.observe(lambda change: change["new"] > 5 and player.seek(1.0), "time")
@@ -302,7 +302,7 @@ def test_a_program_moves_it_by_another_widget_and_a_page_moves_it_by_itself(path
         assert player.time == 4.0
         for widget in (scanogram, plot):
             widget.set_state({"time": 2.0})
-        assert player.time == 4.0, "what a page says of it comes with the time of the player"
+        assert player.time == 4.0, "a message of the page about it carries the time of the player"
 
 
 def test_one_that_cannot_be_made_leaves_nothing_behind(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -450,20 +450,20 @@ def test_cards_without_a_sensor_of_a_kind_stand_below_no_warning_until_they_are_
         assert player.children[0].value.startswith("⚠ none of its topics has a widget for its kind of sensor")
 
 
-def test_where_nothing_can_be_shown_there_is_no_bar(data: Path) -> None:
+def test_if_nothing_can_be_shown_there_is_no_bar(data: Path) -> None:
     with shown(data / "odd" / "empty_bag") as player:
         assert [type(child).__name__ for child in player.children] == ["HTML", "Box"]
         assert player.children[1].children == ()
 
 
-def test_what_is_wrong_is_no_markup(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_wrong_is_not_markup(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Recording, "problems", ("/<b>: <script>",))
     with shown(path) as player:
         assert player.children[0].value == "⚠ /&lt;b&gt;: &lt;script&gt;"
 
 
-def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Else the bad scan is among what a notebook holds.
+def test_what_is_found_wrong_on_the_way_is_reported_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Otherwise the bad scan is among the data of a notebook.
     monkeypatch.setattr("robowidgets.screens.player.HELD_BYTES", 0)
     with shown(robot.write(tmp_path / "drive", bad_scan_at=40), scanogram=False) as player:
         told = player.children[0]
@@ -473,7 +473,7 @@ def test_what_is_found_wrong_on_the_way_is_told_then(tmp_path: Path, monkeypatch
         assert told.layout.display is None
 
 
-def test_it_starts_where_the_first_topic_does_when_none_starts_early(data: Path) -> None:
+def test_it_starts_with_the_first_topic_when_none_starts_early(data: Path) -> None:
     with shown(data / "odd" / "every_ros2_type_mcap") as player:
         assert player.time == pytest.approx(2.1, abs=0.01)
         assert widget(player, SpeedWidget).speed.linear[0] == 1.0  # type: ignore[attr-defined]
@@ -500,7 +500,7 @@ class TestATouchHistory:
                 time_ns = start_ns + round(seconds * S)
                 assert history.at(time_ns).states(time_ns) == self.expected(recording, time_ns), seconds
 
-    def test_does_not_begin_anew_each_time(self, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_does_not_restart_each_time(self, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("robowidgets.touch.history._KEPT_EVERY", 20)
         with open(data / "good" / "neato_fsm") as recording:
             history = TouchHistory(recording, "/bump")
@@ -546,7 +546,7 @@ def test_the_bars_of_axes_that_no_speed_or_command_uses_are_left_out(path: Path,
     assert not is_planar(path, scanogram=False), "its speeds are not read before it is shown"
 
 
-def test_without_a_scanogram_the_wide_widgets_or_a_map_stand_left_and_the_small_ones_beside(path: Path) -> None:
+def test_without_a_scanogram_wide_widgets_or_a_map_stand_left_and_the_small_ones_right(path: Path) -> None:
     boxes = {
         (): {"rw-wides": ["LaserWidget"], "rw-smalls": ["SpeedWidget", "TouchWidget", "PathWidget"]},
         ("/odom", "/bumper"): {"rw-wides": ["PathWidget"], "rw-smalls": ["SpeedWidget", "TouchWidget"]},
@@ -602,7 +602,7 @@ def test_the_bar_knows_the_date_of_the_start_if_there_is_one(path: Path, data: P
         assert player.bar._start is None
 
 
-def test_what_is_set_of_the_player_itself_is_sent_as_its_own(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_settings_of_the_player_itself_are_sent_as_its_own(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
     sent: list[dict] = []
     monkeypatch.setattr(player.comm, "send", lambda data, **_: sent.append(data["state"]))
     player.tooltip = "a drive"
@@ -619,7 +619,7 @@ def test_what_is_selected_to_be_played_is_selected_on_the_picture(player: Player
 
 
 class Hangs:
-    """A condition that loops, as one does by mistake."""
+    """A condition that loops by mistake."""
 
     def __init__(self) -> None:
         self.threads: set[threading.Thread] = set()
@@ -633,7 +633,7 @@ class Hangs:
 def test_a_condition_that_loops_holds_up_neither_a_click_in_the_list_nor_the_end(player: Player) -> None:
     hangs, laser = Hangs(), widget(player, LaserWidget)
     wall = laser.watch(hangs, name="wall")  # type: ignore[attr-defined]
-    player._prefetcher.start()  # type: ignore[union-attr]  # as a page does that wants its segments
+    player._prefetcher.start()  # type: ignore[union-attr]  # as a page that requests its segments
     wait_for(lambda: wall.error, "it is switched off")
     assert wall.error.startswith("has not returned for 1 s, line ")
     assert {thread.name for thread in hangs.threads} == {"robowidgets-judge"}

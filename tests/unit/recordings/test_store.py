@@ -1,4 +1,4 @@
-"""The chunks of a topic: decoded again on demand, and correct where the index of the file is wrong."""
+"""The chunks of a topic: decoded again on demand, and correct if the index of the file is wrong."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_rows_are_read_batch_by_batch_in_any_order(tmp_path: Path, monkeypatch: 
 
 
 def spoil(path: Path, what: bytes, at: int, by: bytes) -> None:
-    """Change bytes some way after the last place where others stand."""
+    """Change bytes at an offset from the last occurrence of others."""
     raw = bytearray(path.read_bytes())
     place = raw.rindex(what) + at
     assert raw[place : place + len(by)] != by
@@ -94,7 +94,7 @@ def spoil(path: Path, what: bytes, at: int, by: bytes) -> None:
 
 
 class TestDamage:
-    """What the index says and the file does not bear out costs no message but those that are gone."""
+    """A wrong index entry costs no message except the missing ones."""
 
     @pytest.fixture
     def path(self, tmp_path: Path) -> Path:
@@ -131,7 +131,7 @@ class TestDamage:
             scans = recording.scans()
             np.testing.assert_allclose(scans.ranges[:, 0], 1 + np.arange(count) / 100, rtol=1e-5)
             np.testing.assert_array_equal(scans.seconds, np.arange(count) / 10)
-            # What was begun on the quick way is not told twice on the other.
+            # A message reported on the fast path is not repeated on the other.
             assert next(scans.chunks()).start == 0
             assert sum(len(chunk) for chunk in scans.chunks()) == count
 

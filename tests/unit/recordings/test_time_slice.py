@@ -1,4 +1,4 @@
-"""A span that `Recording.find` gave, as a slice of the recording and as a selection."""
+"""A span from `Recording.find`, as a slice of the recording and as a selection."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_a_span_is_selected(drive: Recording) -> None:
         (slice(float("nan"), 2), "start: expected seconds from the start of the recording, got nan", ValueError),
     ],
 )
-def test_what_are_no_seconds_is_refused_at_once(
+def test_what_are_not_seconds_is_refused_at_once(
     drive: Recording, which: slice, text: str, error: type[Exception]
 ) -> None:
     with pytest.raises(error, match=text):

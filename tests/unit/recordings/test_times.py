@@ -76,7 +76,7 @@ def test_a_date_outside_of_the_recording_is_refused(path: Path, when: Any, lies:
     [("14:32", ValueError, "'14:32'"), ("", ValueError, "''"), (12.5, TypeError, "12.5"), (None, TypeError, "None")],
     ids=str,
 )
-def test_what_is_no_date_is_refused(path: Path, when: Any, kind: type[Exception], got: str) -> None:
+def test_what_is_not_a_date_is_refused(path: Path, when: Any, kind: type[Exception], got: str) -> None:
     expected = f'^when: expected a datetime, or text such as "2024-05-03T14:32:05"; got {got}$'
     with robowidgets.open(path) as recording, pytest.raises(kind, match=expected):
         recording.seconds_at(when)

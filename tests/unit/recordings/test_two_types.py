@@ -1,4 +1,4 @@
-"""Recordings with messages of several types under the name of one topic."""
+"""Recordings with messages of several types under one topic name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SCAN, TWIST, TEXT = "sensor_msgs/msg/LaserScan", "geometry_msgs/msg/Twist", "std
 
 
 def write(folder: Path, *kinds: str, empty: str = "") -> Path:
-    """Three seconds of /data, with a message of each type in each; those of one type may be missing."""
+    """Three seconds of /data, with a message of each type in each; messages of one type may be missing."""
     store = get_typestore(Stores.ROS2_HUMBLE)
     zero = store.types["geometry_msgs/msg/Vector3"](1.0, 0.0, 0.0)
     raws = {

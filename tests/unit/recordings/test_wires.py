@@ -1,4 +1,4 @@
-"""The wires of a recording: what it knows of topics, and of the nodes that published them."""
+"""The wires of a recording: its topics, and the nodes that published them."""
 
 from __future__ import annotations
 

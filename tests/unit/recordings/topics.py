@@ -13,7 +13,7 @@ _TWIST = "geometry_msgs/msg/Twist"
 
 
 def write(folder: Path, topics: Mapping[str, Iterable[tuple[float, float]]]) -> Path:
-    """A folder with times, in seconds after the start, and values of topics, told apart by their names.
+    """A folder with times, in seconds after the start, and values of topics, whose names decide their types.
 
     With "scan": scans of one ray with that range; with "bump": 1 as the left one is pressed, 0 as it is released; all
     others: speeds forward.
@@ -26,7 +26,7 @@ def write(folder: Path, topics: Mapping[str, Iterable[tuple[float, float]]]) -> 
 
 
 def every(seconds: float, start: float, stop: float, value: float) -> Sequence[tuple[float, float]]:
-    """Times that far apart, all of one value."""
+    """Times at this distance, all with one value."""
     return [(start + i * seconds, value) for i in range(round((stop - start) / seconds))]
 
 

@@ -1,4 +1,4 @@
-"""Small recordings written for a test, and what they hold."""
+"""Small recordings written for a test, and their content."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def mcap_messages(held: Iterable[Message]) -> bytes:
 
 
 def mcap_chunk(raw: bytes, compression: str, packed: bytes, checksum: int = 0) -> bytes:
-    """A chunk record; times of its messages are left at 0, as nobody should need them."""
+    """A chunk record; the times of its messages stay 0, because no reader should need them."""
     head = struct.pack("<QQQI", 0, 0, len(raw), checksum) + string(compression)
     return record(0x06, head + struct.pack("<Q", len(packed)) + packed)
 

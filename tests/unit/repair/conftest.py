@@ -1,4 +1,4 @@
-"""What the tests of repair share."""
+"""Fixtures for the tests of repair."""
 
 from __future__ import annotations
 

@@ -191,7 +191,7 @@ def test_an_encrypted_bag_is_named_with_a_way_out(tmp_path: Path) -> None:
         open_repaired([path])
 
 
-def test_a_compression_that_nobody_knows_is_named(tmp_path: Path) -> None:
+def test_an_unknown_compression_is_named(tmp_path: Path) -> None:
     path = write_bag(tmp_path / "odd.bag", messages(), "bz2")
     path.write_bytes(path.read_bytes().replace(b"compression=bz2", b"compression=xyz"))
     with pytest.raises(
@@ -225,7 +225,7 @@ def test_an_empty_or_missing_file_is_named(tmp_path: Path) -> None:
         open_repaired([path])
 
 
-def test_messages_of_a_topic_that_is_not_named_are_told(tmp_path: Path) -> None:
+def test_messages_of_a_topic_that_is_not_named_are_reported(tmp_path: Path) -> None:
     path = write_bag(tmp_path / "nameless.bag", messages(99), chunk=1 << 20)
     raw = path.read_bytes()
     nameless = bytearray(raw)
@@ -239,7 +239,7 @@ def test_messages_of_a_topic_that_is_not_named_are_told(tmp_path: Path) -> None:
     assert (source.start_ns, source.end_ns) == (START_NS, START_NS + 97 * STEP_NS)
 
 
-def test_a_disk_that_fails_is_told_and_what_was_read_before_is_kept(
+def test_a_disk_that_fails_is_reported_and_what_was_read_before_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     held = messages()

@@ -38,7 +38,7 @@ def test_a_pattern_is_found_once_wherever_it_lies(at: int) -> None:
 @pytest.mark.parametrize("magic", [b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"])
 def test_gigabytes_that_were_never_written_are_passed_over(tmp_path: Path, magic: bytes) -> None:
     class Once:
-        """What looks for a pattern, and may look at the start alone."""
+        """Finds a pattern; it may look at the start only."""
 
         looked_at = 0
 

@@ -166,7 +166,7 @@ class TestAScan:
 class TestLinesThatWereJoined:
     """A block of zeros, or one that is missing, joins the head of a line to the tail of a later one."""
 
-    def test_by_zeros_are_left_out_and_told(self, log: Open) -> None:
+    def test_by_zeros_are_left_out_and_reported(self, log: Open) -> None:
         first, second, third = flaser(time=1), flaser(time=2), flaser(time=3)
         recording = log(first, second[:400] + bytes(64) + third[464:], flaser(time=4))
         assert [moment.seconds for moment in recording.samples("FLASER")] == [0, 3]
@@ -200,7 +200,7 @@ class TestLinesThatWereJoined:
         recording = log(odom(time=1), b"ODOM 1 2\0\0 0 host 0", b"NEFF 26.4", odom(time=2))
         assert [(topic.name, topic.count) for topic in recording.topics] == [("ODOM", 2)]
 
-    def test_are_told_from_lines_to_which_a_program_added_a_word(self, log: Open) -> None:
+    def test_differ_from_lines_to_which_a_program_added_a_word(self, log: Open) -> None:
         recording = log(*(flaser(time=time).replace(b" host", b" 0.1 host") for time in (1, 2, 3)), flaser(time=4))
         assert [moment.seconds for moment in recording.samples("FLASER")] == [0, 1, 2, 3]
         assert recording.problems == ()
@@ -236,7 +236,7 @@ class TestASpeed:
         assert (transform.parent, transform.child) == ("odom", "base_link")
         assert transform.pose[:3] == (1.0, 2.0, 0.0)
 
-    def test_that_holds_no_numbers_is_told(self, log: Open) -> None:
+    def test_that_holds_no_numbers_is_reported(self, log: Open) -> None:
         recording = log(odom(), b"ODOM x y z fast slow 0 2.0 host 2.0")
         samples = [moment.sample for moment in recording.samples("ODOM")]
         assert len(samples) == 2

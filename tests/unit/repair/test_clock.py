@@ -1,4 +1,4 @@
-"""Clocks that were set while a recording was written: one time that only goes forward, whatever the kind of file."""
+"""Clocks that were set while a recording was written: one time that only goes forward, in every file format."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def order(recording: Recording, topic: str = SCAN) -> list[int]:
 
 
 def from_1970(at: int = 50) -> list[Message]:
-    """By a clock that starts in 1970 and is set after five seconds."""
+    """A recording by a clock that starts in 1970 and is set after five seconds."""
     return drive([i / 10 - EPOCH * (i < at) for i in range(100)])
 
 
@@ -71,7 +71,7 @@ class TestAClockThatIsSetBackByThreeSeconds:
     def recording(self, tmp_path: Path, kind: str) -> Recording:
         return robowidgets.open(KINDS[kind](tmp_path, drive(step(3.0))))
 
-    def test_is_told_in_a_line_and_held(self, recording: Recording) -> None:
+    def test_is_reported_in_a_line_and_held(self, recording: Recording) -> None:
         assert recording.problems == (SET_BACK_3,)
         assert recording.duration == pytest.approx(6.9)
         assert recording.start_ns == START_NS
@@ -143,7 +143,7 @@ class TestAClockThatStartsIn1970AndIsSet:
     def recording(self, tmp_path: Path, kind: str) -> Recording:
         return robowidgets.open(KINDS[kind](tmp_path, from_1970()))
 
-    def test_is_told_in_a_line_and_goes_on(self, recording: Recording) -> None:
+    def test_is_reported_in_a_line_and_goes_on(self, recording: Recording) -> None:
         assert recording.problems == (SET,)
         assert recording.duration == pytest.approx(9.8, abs=1e-5)
         for topic in (SCAN, SPEED):
@@ -197,8 +197,8 @@ class TestALeapAhead:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-class TestNothingIsSaidAndNothingTouched:
-    """Where the clock was not set."""
+class TestNoNoteAndNoChange:
+    """Positions at which the clock was not set."""
 
     def check(self, path: Path, times: Sequence[float]) -> None:
         with robowidgets.open(path) as recording:
@@ -226,13 +226,13 @@ class TestNothingIsSaidAndNothingTouched:
 
 @pytest.mark.parametrize("kind", PARTS_FOLLOW_ON)
 class TestALongSilence:
-    def test_is_no_step_where_a_day_lies_between_any_two_messages(self, tmp_path: Path, kind: str) -> None:
+    def test_is_not_a_step_if_a_day_lies_between_any_two_messages(self, tmp_path: Path, kind: str) -> None:
         recording = robowidgets.open(KINDS[kind](tmp_path, drive([i * 86_400.0 for i in range(100)])))
         assert recording.problems == ()
         assert recording.duration == 99 * 86_400
         assert order(recording) == list(range(100))
 
-    def test_is_no_step_where_it_takes_29_days(self, tmp_path: Path, kind: str) -> None:
+    def test_is_not_a_step_if_it_takes_29_days(self, tmp_path: Path, kind: str) -> None:
         days = LEAP_NS / 1e9 - 86_400
         recording, track = open_scans(KINDS[kind](tmp_path, drive(step(-days))))
         assert recording.problems == ()
@@ -310,7 +310,7 @@ class TestTheIndexOfAnMcapFile:
     def test_is_not_read_when_it_claims_more_than_the_file_holds(self, tmp_path: Path, back: float) -> None:
         path = long_mcap(tmp_path, drive(step(back)))
         raw = bytearray(path.read_bytes())
-        # In the index of a chunk, after the offsets of two channels, stands how long the chunk's own index is.
+        # In the index of a chunk, the length of the chunk's own index follows the offsets of two channels.
         at = raw.rindex(b"\x08" + (8 * 4 + 4 + 2 * 10 + 8 + 4 + 8 + 8).to_bytes(8, "little")) + 9 + 32 + 4 + 20
         raw[at : at + 8] = (2**40).to_bytes(8, "little")
         path.write_bytes(raw)
@@ -335,7 +335,7 @@ def rewrite_index(path: Path, change: Callable[[Any], Any]) -> None:
 
 
 class TestALongMcapFile:
-    """Of whose index not all is read."""
+    """A file whose index is read in part."""
 
     @pytest.fixture(autouse=True)
     def _short(self, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -358,7 +358,7 @@ class TestALongMcapFile:
 
 
 def written(folder: Path, *messages: tuple[float, int]) -> Source:
-    """A source over messages with these times, in seconds, and topics; each holds its number."""
+    """A source over messages with these times in seconds, and topics; each holds its number."""
     topics = sorted({topic for _, topic in messages})
     head = [
         record(0x04, topic.to_bytes(2, "little") + bytes(2) + string(f"/{topic}") + string("cdr") + bytes(4))
@@ -378,7 +378,7 @@ def numbers(source: Source) -> list[int]:
 
 
 class TestAStepBack:
-    """Is told from what only looks like one."""
+    """Steps are distinguished from data that only look like one."""
 
     LASER, ODOM, TF, MAP = range(4)
 
@@ -388,14 +388,14 @@ class TestAStepBack:
         return [(i / 50, topic) for i in range(int(until * 50)) for topic in topics[i % 5]]
 
     def check_step(self, folder: Path, before: Sequence[tuple[float, int]], after: Sequence[tuple[float, int]]) -> None:
-        """All of the one come before all of the other, each by time."""
+        """Check that all of `before` come before all of `after`, each in order of time."""
         source = written(folder, *before, *after)
         assert source.problems[0].startswith("the clock goes back once, ")
         found = numbers(source)
         assert sorted(found[: len(before)]) == list(range(len(before)))
 
     def check_none(self, folder: Path, messages: Sequence[tuple[float, int]]) -> None:
-        """They are in the order of time."""
+        """Check that the messages are read in order of time, without a problem."""
         source = written(folder, *messages)
         assert source.problems == ()
         times = [time for time, _ in messages]
@@ -427,7 +427,7 @@ class TestAStepBack:
         ahead = [(time + 1e8 * (i in at), topic) for i, (time, topic) in enumerate(run)]
         self.check_step(tmp_path, ahead[: at[-1] + 1], ahead[at[-1] + 1 :])
 
-    def test_is_not_where_one_topic_bears_times_of_its_own(self, tmp_path: Path) -> None:
+    def test_is_not_a_step_if_one_topic_has_its_own_times(self, tmp_path: Path) -> None:
         run = self.run()
         run[500:500] = [(run[500][0] + 0.5, self.TF), (run[500][0], self.TF)]
         self.check_none(tmp_path, run)
@@ -480,7 +480,7 @@ class TestTimesAtTheirLimits:
         ends = np.array([2**63 - 1, -(2**63), 5], np.int64)
         assert has_clock_step(Arrivals(ends, np.zeros(3, np.int64)))
 
-    def test_are_none_where_there_is_no_message(self) -> None:
+    def test_are_none_if_there_is_no_message(self) -> None:
         assert not has_clock_step(Arrivals(np.empty(0, np.int64), np.empty(0, np.int64)))
 
 

@@ -1,4 +1,4 @@
-"""Any file by how it starts, files in zstd, and the files of a folder."""
+"""Any file by its first bytes, files in zstd, and the files of a folder."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_zstd_that_is_cut_off_gives_what_comes_before(tmp_path: Path, temporary:
     source.close()
 
 
-def test_zstd_that_is_cut_off_behind_the_recording_is_told(tmp_path: Path, temporary: Path) -> None:
+def test_zstd_that_is_cut_off_after_the_recording_is_reported(tmp_path: Path, temporary: Path) -> None:
     path = tmp_path / "tail.bag.zstd"
     whole = zstd.compress(write_bag(tmp_path / "tail.bag", messages(30)).read_bytes())
     path.write_bytes(whole + zstd.compress(bytes(1000))[:-3])
@@ -110,7 +110,7 @@ def test_a_message_in_zstd_becomes_plain_and_any_other_stays() -> None:
     assert plain(cut) == cut
 
 
-def test_files_of_a_folder_come_in_the_order_a_person_counts(tmp_path: Path) -> None:
+def test_files_of_a_folder_come_in_natural_order(tmp_path: Path) -> None:
     names = [
         "drive_0.db3",
         "drive_2.db3",
@@ -126,7 +126,7 @@ def test_files_of_a_folder_come_in_the_order_a_person_counts(tmp_path: Path) -> 
     assert [path.name for path in find_files(tmp_path)] == names
 
 
-def test_a_file_that_is_gone_is_told_beside_the_rest(tmp_path: Path) -> None:
+def test_a_missing_file_is_reported_and_the_rest_is_read(tmp_path: Path) -> None:
     held = messages(30)
     source = open_repaired([tmp_path / "drive_0.bag", write_bag(tmp_path / "drive_1.bag", held)])
     assert read(source) == held

@@ -1,4 +1,4 @@
-"""Whatever is cut off a recording or changed in it: a source or a RecordingError, soon, and no message made up."""
+"""Any cut or change in a recording gives a source or a RecordingError, soon, and no invented message."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ WRITERS: dict[str, Callable[[Path], Path]] = {
 
 
 def try_open(path: Path, raw: bytes) -> list[tuple[str, int, bytes]]:
-    """What can be saved of these bytes; counts and times agree with the messages, whatever they are."""
+    """Save what these bytes hold; fail unless counts and times agree with the messages."""
     path.write_bytes(raw)
     start = process_time()
     try:

@@ -1,4 +1,4 @@
-"""Files made to take memory or time: they get little of either."""
+"""Files made to use up memory or time get little of either."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ CLAIMS: dict[str, bytes] = {
 
 
 @pytest.mark.parametrize("name", CLAIMS)
-def test_a_length_in_the_file_is_no_reason_to_take_memory(tmp_path: Path, name: str) -> None:
+def test_a_length_in_the_file_does_not_reserve_memory(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     path.write_bytes(CLAIMS[name])
     tracemalloc.start()

@@ -1,4 +1,4 @@
-"""MCAP files that are cut, unindexed, of another make, wrong or hostile."""
+"""MCAP files that are cut, unindexed, from other writers, wrong or hostile."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ PACK: dict[str, Callable[[bytes], bytes]] = {
 
 
 def chunked(held: list[Message], compression: str, each: int = 20, checksum: bool = False) -> list[bytes]:
-    """Chunks of so many messages."""
+    """Chunks with this number of messages."""
     raws = [mcap_messages(held[i : i + each]) for i in range(0, len(held), each)]
     return [mcap_chunk(raw, compression, PACK[compression](raw), crc32(raw) if checksum else 0) for raw in raws]
 
@@ -205,7 +205,7 @@ def test_a_time_that_no_clock_has_is_left_out_and_told(tmp_path: Path) -> None:
     assert source.problems == ("the recording is damaged in 1 place: read 9 messages, up to 0.4 s",)
 
 
-def test_a_compression_that_nobody_knows_is_told(tmp_path: Path) -> None:
+def test_an_unknown_compression_is_reported(tmp_path: Path) -> None:
     held = messages()
     raw = mcap_messages(held)
     source = open_repaired(
@@ -215,7 +215,7 @@ def test_a_compression_that_nobody_knows_is_told(tmp_path: Path) -> None:
     assert source.problems == ("chunks compressed with snappy cannot be read: their messages are left out",)
 
 
-def test_an_empty_recording_is_no_error(tmp_path: Path) -> None:
+def test_an_empty_recording_is_not_an_error(tmp_path: Path) -> None:
     source = open_repaired([write(tmp_path / "x.mcap", mcap_head(), MCAP_END)])
     assert (source.start_ns, source.end_ns, source.problems, len(source.channels)) == (None, None, (), 2)
 

@@ -1,4 +1,4 @@
-"""The recordings of other people that are odd or damaged, number by number."""
+"""Odd or damaged recordings of others, number by number."""
 
 from __future__ import annotations
 
@@ -103,14 +103,14 @@ def test_what_holds_nothing_is_named_in_one_line(data: Path, name: str, why: str
     assert "\n" not in str(error.value)
 
 
-def test_a_format_that_nobody_knows_is_listed_as_it_is_named(data: Path) -> None:
+def test_an_unknown_format_is_listed_under_its_name(data: Path) -> None:
     source = open_repaired([data / "damaged/mcap_wrong_format/wrong_rmw_test_0.mcap"])
     assert {channel.encoding for channel in source.channels} == {"wrong_format"}
     assert counts(source) == {"/test_topic": 3, "/array_topic": 4}
 
 
 @pytest.mark.slow
-def test_ros1_messages_in_mcap_are_those_of_the_bag(data: Path) -> None:
+def test_ros1_messages_in_mcap_match_the_bag(data: Path) -> None:
     source = open_repaired([data / "odd/ros1_messages_in_mcap.mcap"])
     assert counts(source) == TURTLEBOT
     assert {(channel.encoding, channel.type) for channel in source.channels if channel.topic == "/scan"} == {
@@ -119,7 +119,7 @@ def test_ros1_messages_in_mcap_are_those_of_the_bag(data: Path) -> None:
     assert set(read(source)) == set(read(open_repaired([data / "good/turtlebot3_gazebo.bag"])))
 
 
-def test_no_chunks_and_no_index_are_no_problem(data: Path) -> None:
+def test_no_chunks_and_no_index_are_not_a_problem(data: Path) -> None:
     source = open_repaired([data / "odd/unchunked_no_index.mcap"])
     assert counts(source) == {"/tf": 156, "/tf_static": 2, "/robot_description": 1, "/odom": 52, "/cmd_vel": 46} | {
         "/scan": 47,

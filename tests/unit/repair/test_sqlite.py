@@ -1,4 +1,4 @@
-"""rosbag2 databases that are cut, damaged, unfinished or foreign; none is ever written to."""
+"""rosbag2 databases that are cut, damaged, unfinished or foreign; no test writes to one."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def write_old(path: Path, held: list[Message]) -> Path:
 
 @pytest.fixture
 def untouched(tmp_path: Path) -> Iterator[None]:
-    """Nothing appears beside a database that is read."""
+    """No file appears next to a database that is read."""
     yield
     strays = [path for path in tmp_path.rglob("*") if path.name.endswith(("-wal", "-shm", "-journal"))]
     assert strays == []
@@ -71,7 +71,7 @@ def test_reads_a_database_of_the_days_before_definitions(tmp_path: Path, untouch
     assert {channel.definition for channel in source.channels} == {""}
 
 
-def test_a_folder_that_cannot_be_written_to_is_no_matter(tmp_path: Path) -> None:
+def test_a_folder_without_write_permission_does_not_matter(tmp_path: Path) -> None:
     folder = tmp_path / "locked"
     folder.mkdir()
     path = write_old(folder / "a b#?%.db3", messages())
@@ -86,7 +86,7 @@ def test_a_folder_that_cannot_be_written_to_is_no_matter(tmp_path: Path) -> None
         folder.chmod(0o700)
 
 
-def test_a_file_cut_in_the_middle_is_read_as_far_as_it_goes(tmp_path: Path, untouched: None) -> None:
+def test_a_file_cut_in_the_middle_is_read_up_to_the_cut(tmp_path: Path, untouched: None) -> None:
     held = messages(500)
     path = write_old(tmp_path / "cut.db3", held)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
@@ -148,7 +148,7 @@ def test_a_page_that_is_named_twice_gives_no_message_twice(tmp_path: Path, untou
 
 
 @pytest.mark.parametrize("ending", ["-wal", "-journal"])
-def test_what_a_killed_recorder_left_beside_the_file_is_taken_in(tmp_path: Path, ending: str) -> None:
+def test_the_log_of_a_killed_recorder_next_to_the_file_is_read_too(tmp_path: Path, ending: str) -> None:
     held = messages()
     live = tmp_path / "live" / "drive.db3"
     live.parent.mkdir()
@@ -177,8 +177,8 @@ def test_what_a_killed_recorder_left_beside_the_file_is_taken_in(tmp_path: Path,
     assert {path.name: path.read_bytes() for path in killed.iterdir()} == before
 
 
-class TestALogBesideADatabase:
-    """What a killed recorder left in its ``-wal`` file: a transaction for each ten messages."""
+class TestALogNextToADatabase:
+    """The data that a killed recorder left in its ``-wal`` file: a transaction for each ten messages."""
 
     @pytest.fixture
     def killed(self, tmp_path: Path) -> Path:
@@ -239,7 +239,7 @@ class TestALogBesideADatabase:
         source.close()
 
 
-def test_rows_that_are_no_messages_are_left_out_and_told(tmp_path: Path) -> None:
+def test_rows_that_are_not_messages_are_left_out_and_reported(tmp_path: Path) -> None:
     path = write_old(tmp_path / "odd.db3", messages(10))
     with closing(sqlite3.connect(path)) as connection, connection:
         connection.execute("UPDATE messages SET data = 'text' WHERE id = 3")
@@ -260,7 +260,7 @@ def test_a_window_of_time_holds_its_start_and_not_its_stop(tmp_path: Path) -> No
     assert [(time_ns - START_NS) // STEP_NS for _, time_ns, _ in window] == [30, 31]
 
 
-def test_an_empty_recording_is_no_error(tmp_path: Path) -> None:
+def test_an_empty_recording_is_not_an_error(tmp_path: Path) -> None:
     source = open_repaired([write_old(tmp_path / "empty.db3", [])])
     assert (source.start_ns, source.end_ns, source.problems) == (None, None, ())
     assert [channel.count for channel in source.channels] == [0, 0]
@@ -309,7 +309,7 @@ def test_a_table_that_is_lost_is_named_with_a_way_out(tmp_path: Path) -> None:
         open_repaired([path])
 
 
-def test_a_command_that_is_told_runs_nothing_of_the_name_of_a_file(tmp_path: Path) -> None:
+def test_a_recommended_command_runs_nothing_in_the_name_of_a_file(tmp_path: Path) -> None:
     path = write_old(tmp_path / "it's $(x) `y`.db3", messages(500))
     path.write_bytes(path.read_bytes()[: 2 * 4096])
     with pytest.raises(RecordingError) as raised:
@@ -328,7 +328,7 @@ def test_a_database_whose_first_page_is_lost_is_named_with_a_way_out(tmp_path: P
         open_repaired([path])
 
 
-def test_an_index_of_other_times_than_those_of_the_messages_is_not_read(tmp_path: Path) -> None:
+def test_an_index_whose_times_differ_from_the_messages_is_not_read(tmp_path: Path) -> None:
     path = write_old(tmp_path / "flipped.db3", messages())
     with closing(sqlite3.connect(path)) as connection, connection:
         connection.execute("PRAGMA writable_schema = ON")

@@ -1,4 +1,4 @@
-"""A recording that is written anew is whole, and says what the damaged one said."""
+"""A rewritten recording is complete, and has the content of the damaged one."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def repair(path: Path, *options: str) -> Path:
 
 
 def samples(path: Path) -> dict[str, Any]:
-    """What a recording says but for its problems."""
+    """The content of a recording without its problems."""
     return {name: said for name, said in digest(path).items() if name != "problems"}
 
 
@@ -195,7 +195,7 @@ class TestTheCommand:
         assert main(["repair", str(tmp_path / name)]) == 0
         assert sorted(os.listdir(tmp_path)) == sorted([name, written, "whole"])
 
-    def test_puts_the_file_beside_a_folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def test_puts_the_file_next_to_a_folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         folder = db3(tmp_path, drive(step(0.0))).parent
         assert main(["repair", str(folder / "metadata.yaml")]) == 0
         (tmp_path / "drive_repaired.mcap").unlink()
@@ -203,7 +203,7 @@ class TestTheCommand:
         assert main(["repair", "."]) == 0
         assert (tmp_path / "drive_repaired.mcap").exists()
 
-    def test_replaces_a_file_only_when_it_is_told_to(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def test_replaces_a_file_only_on_request(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         path, output = bag(tmp_path, drive(step(0.0))), tmp_path / "drive_repaired.mcap"
         output.write_bytes(b"precious")
         self.refuses([str(path)], f"{output}: already exists; replace it with --force", capsys)
@@ -262,7 +262,7 @@ class TestTheCommand:
         assert main(["repair", *arguments]) == 2
         said = capsys.readouterr()
         assert said.out in ("", f"Nothing is wrong with {arguments[0]}\n")
-        # On a slow machine a bar of progress comes before it.
+        # On a slow machine a progress bar comes before it.
         last = said.err.splitlines()[-1]
         assert last.startswith("robowidgets: ")
         assert line in last
@@ -282,7 +282,7 @@ class TestTheCommand:
 
 @contextmanager
 def room_for(size: int) -> Iterator[None]:
-    """Within it no file may grow beyond that many bytes."""
+    """Limit files to this number of bytes."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:
@@ -314,7 +314,7 @@ class TestASourceThatCanBeReadNoFurther:
         def close(self) -> None:
             pass
 
-    def test_is_written_as_far_as_it_goes(self, tmp_path: Path) -> None:
+    def test_is_written_up_to_the_damage(self, tmp_path: Path) -> None:
         path = tmp_path / "x.mcap"
         written = write(self.Breaking(RecordingError("the disk could not read it"), after=2), path)
         assert written.messages == 2

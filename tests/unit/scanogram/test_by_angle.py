@@ -1,4 +1,4 @@
-"""Scans of other geometries on the rays of one."""
+"""Scans of other geometries on the rays of one scan."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_rays_of_the_same_geometry_keep_their_indices(increment: float) -> None:
     assert keeps_indices(rays_at(jittered, one))
 
 
-def test_a_shorter_sweep_has_no_ray_where_it_does_not_reach() -> None:
+def test_a_shorter_sweep_has_no_ray_outside_its_angles() -> None:
     rays = rays_at(sweep(-0.5, 0.1, 8), sweep(-0.5, 0.1, 10))
     assert rays.tolist() == [0, 1, 2, 3, 4, 5, 6, 7, -1, -1]
     assert keeps_indices(rays)
@@ -57,7 +57,7 @@ def test_a_single_ray_stands_where_it_points() -> None:
     assert rays_at(sweep(0.5, 0.0, 1), sweep(0.5, 0.0, 1)).tolist() == [0]
 
 
-def test_where_there_is_no_ray_there_is_no_measurement() -> None:
+def test_if_there_is_no_ray_there_is_no_measurement() -> None:
     ranges = np.array([[1.0, np.inf], [2.0, 3.0]], np.float32)
     put = on_rays(ranges, np.array([-1, 0, 1, 1]))
     assert put.dtype == np.float32

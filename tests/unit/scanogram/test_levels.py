@@ -74,7 +74,7 @@ def test_the_classes_are_counted() -> None:
 
 
 @pytest.mark.parametrize(("budget", "first"), [(1 << 28, 0), (300_000, 3)])
-def test_medians_are_those_of_the_scans_or_of_their_first_medians(ranges: np.ndarray, budget: int, first: int) -> None:
+def test_medians_are_of_the_scans_or_of_their_first_medians(ranges: np.ndarray, budget: int, first: int) -> None:
     levels = made(ranges, budget)
     codes = encode(ranges.astype(np.float32), 0.1, 30.0)
     for level in range(levels.last + 1):

@@ -24,13 +24,13 @@ def test_between_two_times_are_all_scans_on_show() -> None:
     assert even.between(7.0, 9.0) == (5, 5)
 
 
-def test_a_clock_that_goes_back_is_told_and_the_order_is_that_of_arrival() -> None:
+def test_a_clock_that_goes_back_is_reported_and_the_order_of_arrival_stays() -> None:
     back = clock(0, 1, 2, 1.5, 3)
     assert back.starts.tolist() == [0, 1, 2, 2, 3]
     assert back.notes == ("the clock goes back once: shown in the order of arrival",)
 
 
-def test_a_clock_that_stands_still_is_told() -> None:
+def test_a_clock_that_stands_still_is_reported() -> None:
     assert clock(1, 1, 1).notes == ("the clock stands still: all 3 scans have the same time",)
     assert clock(1).notes == ()
     assert clock(3, 2, 1).notes == ("the clock goes back 2 times: shown in the order of arrival",)

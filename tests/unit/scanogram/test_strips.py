@@ -13,14 +13,14 @@ def strip(values: np.ndarray) -> SpeedStrip:
     return SpeedStrip("/odom", ScanTimes(np.arange(len(values)) * 10_000_000, 0), values, LIMITS)
 
 
-def test_sideways_speed_has_a_strip_only_where_there_is_any() -> None:
+def test_sideways_speed_has_a_strip_only_if_there_is_any() -> None:
     values = np.zeros((10, 6))
     assert strip(values).axes == ["linear.x", "angular.z"]
     values[3, 1] = 0.1
     assert strip(values).axes == ["linear.x", "linear.y", "angular.z"]
 
 
-def test_a_strip_has_limits_only_where_somebody_set_them() -> None:
+def test_a_strip_has_limits_only_if_they_were_set() -> None:
     values = np.zeros((10, 6))
     values[5, 0], values[6, 2] = 3.0, 1.5
     speeds = SpeedStrip("/odom", ScanTimes(np.arange(10), 0), values, {"angular.z": (-1.0, 1.0)})
@@ -28,7 +28,7 @@ def test_a_strip_has_limits_only_where_somebody_set_them() -> None:
     assert speeds.limits == [None, None, (-1.0, 1.0)]
 
 
-def test_any_other_axis_has_a_strip_only_where_it_is_past_its_limit() -> None:
+def test_any_other_axis_has_a_strip_only_if_it_is_past_its_limit() -> None:
     values = np.full((10, 6), 0.9)
     values[4, 3] = np.nan
     assert strip(values).axes == ["linear.x", "linear.y", "angular.z"]

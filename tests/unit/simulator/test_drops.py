@@ -1,4 +1,4 @@
-"""Drops: a robot with a wheel over the edge stands, and sensors that look at the floor tell of it."""
+"""Drops: a robot with a wheel over the edge stands, and sensors that look at the floor report it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LANDING = """
 """
 
 
-def test_drops_of_a_text_are_rectangles_beside_which_a_robot_starts() -> None:
+def test_drops_of_a_text_are_rectangles_next_to_which_a_robot_starts() -> None:
     world = World.from_text(LANDING, cell=1.0)
     assert world.drops.tolist() == [[8.0, 2.0, 11.0, 4.0]]
     assert world.walls.tolist() == World.from_text(LANDING.replace("=", "."), cell=1.0).walls.tolist()
@@ -77,7 +77,7 @@ def test_a_robot_stands_over_the_edge_until_it_is_put_elsewhere() -> None:
     ("kobuki", (0, -0.115), "wheel right"), ("create3", (0, 0.1165), "wheel left"),
     ("create3", (0, -0.1165), "wheel right"),
 ])  # fmt: skip
-def test_a_drop_below_a_sensor_is_told_in_the_messages_of_the_robot(
+def test_a_drop_below_a_sensor_is_reported_in_the_messages_of_the_robot(
     name: str, place: tuple[float, float], sensor: str
 ) -> None:
     robot = Robot(World(), model=name)
@@ -123,7 +123,7 @@ def test_in_a_process_of_its_own_a_fallen_robot_can_be_put_back_and_given_obstac
         time = robot.time + 0.5
         wait_for(lambda: robot.time > time, "it goes on")
         assert robot.has_fallen
-        assert robot.world is world, "the other process has taken it"
+        assert robot.world is world, "the other process has accepted it"
         robot.move_to(9.0, 1.0, 0.0)
         wait_for(lambda: robot.time > time + 0.5, "it goes on")
         assert not robot.has_fallen

@@ -1,4 +1,4 @@
-"""Robots and scanners with the size, the limits, the messages and the habits of real ones."""
+"""Robots and scanners with the sizes, limits, messages and quirks of real ones."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_a_robot_keeps_its_limits_and_finds_its_way(name: str) -> None:
     ("kobuki", -60, "right"), ("create3", 70, "left"), ("create3", 35, "front left"), ("create3", 0, "front center"),
     ("create3", -35, "front right"), ("create3", -70, "right"),
 ])  # fmt: skip
-def test_a_bumper_is_told_in_the_messages_of_the_robot(name: str, angle: float, sensor: str) -> None:
+def test_a_bumper_is_reported_in_the_messages_of_the_robot(name: str, angle: float, sensor: str) -> None:
     model = MODELS[name]
     reach = model.radius + 0.301
     post = (reach * cos(radians(angle)), reach * sin(radians(angle)), 0.3)
@@ -87,7 +87,7 @@ def test_each_scanner_has_the_geometry_of_its_headers() -> None:
         assert scan.distance(("-2deg", "2deg"), percentile=50) == pytest.approx(2.0, abs=0.1)
 
 
-def test_nothing_and_failures_are_told_as_each_scanner_tells_them() -> None:
+def test_nothing_and_failures_are_encoded_as_each_scanner_does() -> None:
     rng = np.random.default_rng(1)
     found = {
         name: {
@@ -128,7 +128,7 @@ def test_noise_may_grow_with_distance() -> None:
     assert ranges.std() == pytest.approx(0.1, rel=0.03)
 
 
-def test_a_scanner_is_mounted_where_it_is_told_and_may_hang_upside_down() -> None:
+def test_a_scanner_has_the_given_mount_and_may_hang_upside_down() -> None:
     rng = np.random.default_rng(1)
     ahead = Scanner(ray_count=1, field_of_view=0.0, mount=(0.5, 0.0, 0.0), **EXACT)
     assert ahead.measure(FRONT, 0.0, 0.0, 0.0, rng).ranges.tolist() == [1.5]
@@ -141,7 +141,7 @@ def test_a_scanner_is_mounted_where_it_is_told_and_may_hang_upside_down() -> Non
     assert hanging.measure(post, 0.0, 0.0, 0.0, rng).nearest().index == 0
     robot = Robot(post, scanner=replace(hanging, mount=(0.1, 0.0, 0.0)))
     header = HEADER.unpack_from(View(robot).get_state()["_frame"])
-    assert header[5:10] == pytest.approx((0.1, 0.0, 0.0, pi / 2, -pi / 4)), "the view shows where its rays truly go"
+    assert header[5:10] == pytest.approx((0.1, 0.0, 0.0, pi / 2, -pi / 4)), "the view shows the true ray directions"
 
 
 def test_a_scan_of_a_robot_has_the_angles_of_the_robot_however_its_scanner_stands() -> None:
@@ -153,7 +153,7 @@ def test_a_scan_of_a_robot_has_the_angles_of_the_robot_however_its_scanner_stand
         assert scan.nearest().index != expected.nearest().index
         assert scan.distance("left") == pytest.approx(expected.distance("left"), abs=0.02)
         assert scan.distance("front") == inf
-        assert scan.unmounted().angle_min == pytest.approx(-pi), "a message has the scanner's own"
+        assert scan.unmounted().angle_min == pytest.approx(-pi), "a message has the scanner's angles"
 
 
 @pytest.mark.parametrize(("given", "error", "words"), [
@@ -195,7 +195,7 @@ def test_the_feed_of_a_robot_speaks_its_dialect_and_a_widget_reads_it() -> None:
         wait_for(lambda: feed.robot.speed().linear[1] > 0.1, "it drives sideways")
 
 
-def test_a_feed_of_the_pr2_drives_sideways_and_those_of_other_robots_say_that_they_cannot(tmp_path: Path) -> None:
+def test_a_feed_of_the_pr2_drives_sideways_and_feeds_of_other_robots_refuse(tmp_path: Path) -> None:
     with feeds.simulator("pr2", hz=100.0, wander=False) as feed:
         assert feed.driving.max_lateral == 0.5
         feed.driving = feeds.Driving(max_lateral=0.5, hold=3600.0)

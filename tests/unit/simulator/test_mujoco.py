@@ -1,4 +1,4 @@
-"""Distances and contacts beside those of MuJoCo in the same room, where MuJoCo is installed."""
+"""Distances and contacts against MuJoCo in the same room, if MuJoCo is installed."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def model_of(world: World) -> object:
 
 
 @pytest.mark.parametrize("name", ["house", "office", "maze"])
-def test_rays_and_contacts_are_those_of_mujoco(name: str) -> None:
+def test_rays_and_contacts_match_mujoco(name: str) -> None:
     world, rng = room(name), np.random.default_rng(1)
     model = model_of(world)
     data = mujoco.MjData(model)
@@ -56,7 +56,7 @@ def test_rays_and_contacts_are_those_of_mujoco(name: str) -> None:
         ours = np.minimum(*cast_rays(world, x, y, angles))
         met = (distance >= 0) & np.isfinite(ours)
         assert met.mean() > 0.95 or name != "house"
-        # At an edge a ray meets one wall or the next, by the thickness that the walls have there.
+        # At an edge a ray meets one wall or the next, depending on the thickness that the walls have in MuJoCo.
         assert np.mean(np.abs(distance[met] - ours[met]) < 0.01) > 0.97
         compared += 1
     assert compared > 100

@@ -306,7 +306,7 @@ def test_time_runs_forward_in_steps_of_a_minute_at_most(dt):
         Robot(World()).step(dt)
 
 
-def test_a_command_that_is_no_number_is_refused_and_the_last_one_stays():
+def test_a_command_that_is_not_a_number_is_refused_and_the_last_one_stays():
     robot = Robot(World())
     robot.drive(0.3, 0.1)
     with pytest.raises(ValueError, match="angular: expected a finite number of rad/s, got nan"):

@@ -1,4 +1,4 @@
-"""Rooms that are ready-made, drawn as text, or made of a map."""
+"""Rooms that are ready-made, drawn as text, or made from a map."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_neighbouring_cells_of_a_wall_are_one_segment() -> None:
     assert sorted(map(tuple, room.walls.tolist())) == [(1, 1, 1, 3), (1, 1, 4, 1), (1, 3, 4, 3), (4, 1, 4, 3)]
 
 
-def test_what_lies_outside_of_a_drawing_is_no_floor() -> None:
+def test_what_lies_outside_of_a_drawing_is_not_floor() -> None:
     shifted = World.from_text("  ####\n  #..#\n  ####")
     assert len(shifted.walls) == 4
 
@@ -63,7 +63,7 @@ def test_a_room_without_a_mark_starts_where_there_is_room() -> None:
         ("#.", "1", TypeError, "cell: expected a number, got '1'"),
     ],
 )
-def test_words_for_a_text_that_is_no_room(text: str, cell: float, error: type[Exception], words: str) -> None:
+def test_errors_for_a_text_that_is_not_a_room(text: str, cell: float, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=re.escape(words)):
         World.from_text(text, cell)
 

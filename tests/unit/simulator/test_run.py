@@ -1,4 +1,4 @@
-"""A simulated robot as fast as it can, and its odometry."""
+"""A simulated robot at full speed, and its odometry."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ def wall_at(distance: float, angle: float, half: float = 0.01) -> World:
 
 
 class TestNearest:
-    def test_is_that_of_all_rays_in_the_cone(self) -> None:
+    def test_covers_all_rays_in_the_cone(self) -> None:
         rng = np.random.default_rng(7)
         for _ in range(60):
             walls = rng.uniform(-4, 4, (6, 4))
@@ -59,7 +59,7 @@ class TestNearest:
         (5.5, inf, Validity.NOTHING_IN_RANGE),
     ],
 )
-def test_what_is_no_distance_follows_rep_117(distance: float, measured: float, validity: Validity) -> None:
+def test_values_that_are_not_distances_follow_rep_117(distance: float, measured: float, validity: Validity) -> None:
     reading = ONE.measure(wall_at(distance, 0.0, 1.0), HERE, "front", np.random.default_rng(0), 7)
     assert (reading.range, reading.validity, reading.stamp_ns) == (measured, validity, 7)
     assert (reading.radiation, reading.frame_id, reading.pose) == ("ultrasound", "sonar_front", HERE)
@@ -118,7 +118,7 @@ class TestPioneer:
         assert offers_of(Robot(World.rooms())) == []
 
 
-def test_a_sonar_that_is_not_there_is_named_with_those_that_are() -> None:
+def test_a_missing_sonar_is_named_with_the_existing_ones() -> None:
     with pytest.raises(KeyError, match="the robot has no sonar 'front_0'; it has none; the model 'pioneer' has some"):
         Robot(World()).sonar("front_0")
     with pytest.raises(KeyError, match="the robot has no sonar 'left'; there are: front_0, "):

@@ -1,4 +1,4 @@
-"""What the view of a simulated robot sends to the page, and which edits of the page it makes."""
+"""The messages of a simulated robot's view to the page, and the edits of the page that it accepts."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def shown(view: View) -> tuple[tuple[float, ...], np.ndarray, np.ndarray, np.nda
 
 
 def edit(view: View, **content: Any) -> str:
-    """The answer to an edit of the page: why it was not made."""
+    """The answer to an edit of the page: the reason why it was refused."""
     answers: list[Any] = []
     view.send = answers.append  # type: ignore[method-assign]
     view._on_page(view, {"edit": "a-1", **content}, [])
@@ -100,7 +100,7 @@ def test_edits_of_the_page_move_robot_and_obstacles() -> None:
     assert robot.world.walls is WORLD.walls
     assert edit(view, act="remove", index=0) == ""
     assert shown(view)[3].tolist() == [[-1.0, 0.0, pytest.approx(0.2)]]
-    assert edit(view, act="put", x=0.0, y=0.0) == ""  # where the robot began
+    assert edit(view, act="put", x=0.0, y=0.0) == ""  # the start of the robot
     assert edit(view, act="reset") == ""
     assert (robot.world, robot.pose) == (WORLD, (0, 0, 0))
 
@@ -130,7 +130,7 @@ def test_an_edit_that_cannot_be_made_changes_nothing_and_says_why(
     assert "an edit of the page was not made" in caplog.text
 
 
-def test_obstacles_are_no_more_than_a_room_holds() -> None:
+def test_the_number_of_obstacles_has_a_limit() -> None:
     robot = Robot(World((), [(1.0 + i, 5.0, 0.1) for i in range(200)]))
     assert "expected at most 200 obstacles" in edit(View(robot), act="put", x=9.0, y=9.0)
 

@@ -6,7 +6,7 @@ BOX = World(walls=[(-2, -2, 2, -2), (2, -2, 2, 2), (2, 2, -2, 2), (-2, 2, -2, -2
 
 
 def commands(robot, seconds, **speeds):
-    """Each command that is new, with the bumpers pressed when it came."""
+    """Each new command, with the bumpers that were pressed."""
     given = []
     for _ in wander(robot, **speeds):
         now = (robot.command().linear[0], robot.command().angular[2])
@@ -41,6 +41,6 @@ def test_it_does_not_get_stuck_in_the_house():
     assert len(places) > 20
 
 
-def test_it_drives_as_fast_as_it_is_told():
+def test_it_drives_at_the_commanded_speed():
     got = [command for command, _ in commands(Robot(BOX), 8, linear=0.8, angular=0.4)]
     assert got[:4] == [(0.8, 0.0), (0.0, 0.0), (-0.4, 0.0), (0.0, -0.4)]

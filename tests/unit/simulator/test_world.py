@@ -40,7 +40,7 @@ def test_the_house_has_five_rooms_that_a_robot_can_reach_through_the_doors():
     assert max(abs(j) for _, j in reached) < 45
 
 
-def test_a_robot_starts_in_the_house_where_nothing_is_said():
+def test_a_robot_starts_in_the_house_by_default():
     assert Robot(World.rooms()).pose == (0.0, 0.0, 0.0)
 
 

@@ -1,4 +1,4 @@
-"""The smallest widget there can be, and what its frames say."""
+"""The smallest possible widget, and the data of its frames."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Number:
 
 
 class NumberWidget(RobotWidget[Number]):
-    """The smallest widget there can be."""
+    """The smallest possible widget."""
 
     _esm = "export default {}"
     color = traitlets.Unicode("red").tag(sync=True)

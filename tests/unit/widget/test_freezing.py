@@ -1,4 +1,4 @@
-"""What all widgets share: they hold still, and go on with the newest."""
+"""Common to all widgets: they freeze, and continue with the newest sample."""
 
 from __future__ import annotations
 
@@ -39,9 +39,7 @@ class TestFreezing:
         widget.paused = True
         assert held[-1] == 2
 
-    def test_the_page_is_not_told_that_it_is_frozen_before_it_has_what_is_held(
-        self, widget: NumberWidget, page: Page
-    ) -> None:
+    def test_the_page_gets_the_held_sample_before_the_frozen_flag(self, widget: NumberWidget, page: Page) -> None:
         widget.update(2)
         widget.paused = True
         pacer.flush()
@@ -75,7 +73,7 @@ class TestFreezing:
         assert page.state["_about"] == {"value": 1}
         assert number_in(page.state["_frame"]) == number_in(page.state["_frozen_frame"]) == 1
 
-    def test_frozen_again_it_holds_anew(self, widget: NumberWidget, page: Page) -> None:
+    def test_frozen_again_it_holds_the_new_sample(self, widget: NumberWidget, page: Page) -> None:
         for value in (1, 2, 3):
             widget.update(value)
             widget.paused = True
@@ -83,7 +81,7 @@ class TestFreezing:
             assert number_in(page.state["_frozen_frame"]) == value
             widget.paused = False
 
-    def test_a_person_holds_what_was_on_the_page(self, widget: NumberWidget, page: Page) -> None:
+    def test_the_user_holds_what_was_on_the_page(self, widget: NumberWidget, page: Page) -> None:
         widget.update(1)
         pacer.flush()
         on_the_page = memoryview(page.state["_frame"])
@@ -93,10 +91,10 @@ class TestFreezing:
         pacer.flush()
         assert widget.paused is True
         assert number_in(widget._frozen_frame) == 1
-        assert page.sent("_frozen_frame") == [], "what the page said needs no echo"
+        assert page.sent("_frozen_frame") == [], "the page needs no echo of its own message"
         assert number_in(page.state["_frame"]) == 3
 
-    def test_a_person_steps_back_while_frozen(self, widget: NumberWidget, page: Page) -> None:
+    def test_the_user_steps_back_while_frozen(self, widget: NumberWidget, page: Page) -> None:
         frames = []
         for value in (1, 2):
             widget.update(value)
@@ -106,13 +104,13 @@ class TestFreezing:
         widget.set_state({"_frozen_frame": frames[0]})
         assert (number_in(widget._frozen_frame), number_in(widget.get_state()["_frozen_frame"])) == (1, 1)
 
-    def test_a_person_releases_what_python_froze(self, widget: NumberWidget) -> None:
+    def test_the_user_releases_a_freeze_of_python(self, widget: NumberWidget) -> None:
         widget.update(1)
         widget.paused = True
         widget.set_state({"_frozen_frame": memoryview(b""), "paused": False})
         assert (widget.paused, widget._frozen_frame) == (False, b"")
 
-    def test_python_releases_what_a_person_froze(self, widget: NumberWidget, page: Page) -> None:
+    def test_python_releases_a_freeze_of_the_user(self, widget: NumberWidget, page: Page) -> None:
         widget.update(1)
         pacer.flush()
         widget.set_state({"_frozen_frame": memoryview(page.state["_frame"]), "paused": True})
@@ -128,7 +126,7 @@ class TestFreezing:
         state = widget.get_state()
         assert (number_in(state["_frozen_frame"]), number_in(state["_frame"]), state["paused"]) == (1, 2, True)
 
-    def test_the_page_is_told_how_many_seconds_to_keep(self, widget: NumberWidget, page: Page) -> None:
+    def test_the_page_gets_the_number_of_seconds_to_keep(self, widget: NumberWidget, page: Page) -> None:
         assert widget.get_state()["history"] == 30.0
         widget.history = 0
         pacer.flush()

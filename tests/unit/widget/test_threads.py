@@ -1,4 +1,4 @@
-"""What all widgets share: they may be updated, set and closed from any thread."""
+"""Common to all widgets: they may be updated, set and closed from any thread."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .number_widget import NumberWidget, head_of, number_in
 
 @pytest.fixture
 def _restless_threads() -> Iterator[None]:
-    """Threads take turns a thousand times more often than they do, so that what can mix does."""
+    """Threads switch a thousand times more often than usual, to provoke races."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(5e-6)
     yield

@@ -1,4 +1,4 @@
-"""A widget as a page in a file: with its history, and as it is."""
+"""A widget as a page in a file: with its history, and in its present state."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_without_a_history_a_page_has_the_newest_sample(tmp_path: Path) -> None:
         touch.to_html(tmp_path / "a.png")
 
 
-def test_a_closed_widget_and_a_title_that_is_no_text_are_refused(tmp_path: Path) -> None:
+def test_a_closed_widget_and_a_title_that_is_not_a_text_are_refused(tmp_path: Path) -> None:
     laser = LaserWidget()
     with pytest.raises(TypeError, match=r"to_html\(\): expected title as a text, got 5"):
         laser.to_html(tmp_path / "a.html", title=5)
@@ -60,7 +60,7 @@ def test_a_closed_widget_and_a_title_that_is_no_text_are_refused(tmp_path: Path)
         laser.to_html(tmp_path / "a.html")
 
 
-def test_the_history_that_is_kept_is_that_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_kept_history_matches_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
     frames = SentFrames()
     for i in range(100):
         frames.add(TimedFrame(i / 10, {}, b"1234"), 2)

@@ -1,4 +1,4 @@
-"""What all widgets share: a program waits for the next sample, and is never given an old one."""
+"""Common to all widgets: a program waits for the next sample, and never gets an old one."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from .number_widget import NumberWidget, in_a_thread
 
 
 def feed_at(rate: float, clock: Clock, update: Callable[[], object]) -> None:
-    """Hand a widget samples for so long that its rate is known, and read by somebody meanwhile."""
+    """Give a widget samples until its rate is known."""
     for _ in range(20):
         clock.now += 1 / rate
         update()
 
 
 class Waits(Waiters):
-    """Those that wait for a widget; it keeps the time-outs, and waits for none of them."""
+    """The waits for a widget; records the time-outs, and skips the waiting."""
 
     def __init__(self, lock: Any) -> None:
         super().__init__(lock)
@@ -49,7 +49,7 @@ class TestTheNextOne:
         widget.update(3)
         assert widget.wait(0).value == 3
 
-    def test_none_is_given_twice_to_one_thread(self, widget: NumberWidget) -> None:
+    def test_no_sample_is_given_twice_to_one_thread(self, widget: NumberWidget) -> None:
         widget.update(1)
         assert widget.wait(0).value == 1
         with pytest.raises(TimeoutError, match=r"^NumberWidget had no new number for \d+\.\d+ s$"):
@@ -71,10 +71,10 @@ class TestTheNextOne:
         given: list[tuple[int, int]] = []
         for _ in range(50):
             in_a_thread(lambda: given.append((threading.get_ident(), widget.wait(0).value)))
-        assert len({ident for ident, _ in given}) < 50, "the system gave no number again"
+        assert len({ident for ident, _ in given}) < 50, "the system reused the number"
         assert [value for _, value in given] == [1] * 50
 
-    def test_what_is_shown_anew_is_not_the_next_one(self) -> None:
+    def test_a_sample_shown_again_is_not_the_next_one(self) -> None:
         laser, speed = LaserWidget(), SpeedWidget()
         laser.update(scan(1.5))
         speed.update(twist(0.25))
@@ -87,7 +87,7 @@ class TestTheNextOne:
             with pytest.raises(TimeoutError):
                 widget.wait(0)
 
-    def test_an_old_one_is_given_to_nobody(self, widget: NumberWidget, clock: Clock) -> None:
+    def test_an_old_one_is_given_to_no_caller(self, widget: NumberWidget, clock: Clock) -> None:
         feed_at(10, clock, lambda: (widget.update(1), widget.rate))
         clock.now += 0.99
         got: list[int] = []
@@ -124,7 +124,7 @@ class TestTheTimeout:
         feed_at(rate, clock, lambda: (widget.update(1), widget.wait()))
         with pytest.raises(TimeoutError):
             widget.wait()
-        assert waits.timeouts[0] == 10, "of a first sample there is no rate"
+        assert waits.timeouts[0] == 10, "a first sample has no rate"
         assert waits.timeouts[-1] == pytest.approx(seconds)
 
     def test_is_ten_seconds_before_the_first(self, widget: NumberWidget) -> None:
@@ -142,7 +142,7 @@ class TestTheTimeout:
                 touch.wait()
             assert waits.timeouts[-1] == seconds
 
-    def test_is_what_it_is_told(self, widget: NumberWidget, clock: Clock) -> None:
+    def test_is_the_given_value(self, widget: NumberWidget, clock: Clock) -> None:
         widget._newest.waiters = waits = Waits(widget._newest.lock)
         feed_at(40, clock, lambda: (widget.update(1), widget.wait(7)))
         for seconds in (0, 0.25, 30, 1e300):
@@ -198,7 +198,7 @@ class TestTheTimeout:
             widget.wait(timeout)
 
 
-def test_all_who_wait_get_the_first_one_and_nobody_spins_meanwhile(widget: NumberWidget) -> None:
+def test_all_waiting_threads_get_the_first_one_and_none_spins_meanwhile(widget: NumberWidget) -> None:
     got: list[Any] = []
     busy: list[float] = []
 
@@ -228,7 +228,7 @@ def test_a_busy_main_thread_gets_the_first_scan_of_a_feed() -> None:
         assert laser.wait(240.0).nearest().range == 1.5
 
 
-def test_a_commanded_speed_is_none_that_was_measured() -> None:
+def test_a_commanded_speed_is_not_a_measured_one() -> None:
     speed = SpeedWidget()
     speed.command(twist(0.5))
     with pytest.raises(TimeoutError, match=r"^SpeedWidget had nothing to show in 0.01 s: no feed is connected to it"):
@@ -243,7 +243,7 @@ def test_a_touch_is_given_as_it_came() -> None:
     assert touch.wait().touched == {"left": True}
 
 
-def test_where_none_comes_it_says_why() -> None:
+def test_if_none_comes_the_error_has_the_reason() -> None:
     laser, script = LaserWidget(), Scripted(SCAN, ODOM)
 
     def why() -> str:
@@ -269,7 +269,7 @@ def test_where_none_comes_it_says_why() -> None:
     )
 
 
-def test_where_no_next_one_comes_it_says_how_old_the_last_is_and_why() -> None:
+def test_if_no_next_one_comes_the_error_has_the_age_of_the_last_and_the_reason() -> None:
     laser, script = LaserWidget(), Scripted(SCAN)
     feed = Feed(script)
     feed.connect("/scan", laser)

@@ -1,4 +1,4 @@
-"""What all widgets share: names, the way of a sample to the page, and words when something is wrong."""
+"""Common to all widgets: names, the path of a sample to the page, and the texts of errors."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class TestNames:
             NumberWidget(xyz=1)
 
     @pytest.mark.parametrize("name", ["_frame", "_frozen_frame", "_about", "_esm", "comm", "keys", "log", "update"])
-    def test_what_is_inside_is_no_keyword(self, name: str) -> None:
+    def test_what_is_inside_is_not_a_keyword(self, name: str) -> None:
         with pytest.raises(TypeError, match=rf"^NumberWidget\(\) has no keyword '{name}'"):
             NumberWidget(**{name: None})
 
@@ -97,7 +97,7 @@ class TestNames:
             NumberWidget(1)
         with pytest.raises(traitlets.TraitError, match="'paused' trait of a NumberWidget"):
             NumberWidget(paused="soon")
-        gc.collect()  # pytest turns what __del__ raises into a warning, and configuration turns that into a failure
+        gc.collect()  # pytest turns errors in __del__ into a warning, and configuration turns that into a failure
 
 
 class TestToThePage:
@@ -190,7 +190,7 @@ class TestToThePage:
         pacer.flush()
         assert page.sent("title") == ["/number", "/number"]
 
-    def test_a_player_has_its_own_words_of_what_it_shows(
+    def test_a_player_has_its_own_texts_about_its_content(
         self, widget: NumberWidget, page: Page, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         widget.driven_by_player = True
@@ -291,7 +291,7 @@ class TestToThePage:
 
 
 class TestRefusing:
-    def test_where_a_person_calls_it_raises(self, widget: NumberWidget) -> None:
+    def test_it_raises_if_the_user_calls_it(self, widget: NumberWidget) -> None:
         with pytest.raises(TypeError, match=r"^expected a whole number, got 'seven'$"):
             widget.update("seven")
 
@@ -308,7 +308,7 @@ class TestRefusing:
             "NumberWidget /numbers: a message could not be shown: expected a whole number, got 'seven'"
         )
 
-    def test_where_it_raises_the_widget_says_it_too(self, widget: NumberWidget, page: Page) -> None:
+    def test_if_it_raises_the_widget_shows_the_error_too(self, widget: NumberWidget, page: Page) -> None:
         with pytest.raises(TypeError):
             widget.update("seven")
         pacer.flush()
@@ -357,7 +357,7 @@ class TestRate:
         widget.update(1)
         assert isnan(widget.rate)
 
-    def test_is_that_of_the_last_ones(self, widget: NumberWidget, clock: Clock) -> None:
+    def test_follows_the_last_ones(self, widget: NumberWidget, clock: Clock) -> None:
         for seconds in [1.0] * 100 + [0.1] * 40:
             clock.now += seconds
             widget.update(1)

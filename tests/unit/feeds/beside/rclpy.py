@@ -1,6 +1,6 @@
-"""Found in place of rclpy by a process that has this folder on its path: the stand-in, with a base in its network.
+"""A process with this folder on its path imports this instead of rclpy: the stand-in, with a robot base in its network.
 
-The base writes each speed into the file that ROBOT_LOG names, with the monotonic time: what leaves the process.
+The base writes each speed that leaves the process into the file that ROBOT_LOG names, with the monotonic time.
 """
 
 import os
