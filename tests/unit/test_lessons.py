@@ -153,7 +153,7 @@ class TestWrongAnswers:
         ("name", "answer", "said"),
         [
             ("nearest_on_the_left", lambda scan: scan.ranges.min(), "you returned nan; it is "),
-            ("nearest_on_the_left", lambda scan: scan.distance(), "Look on the left alone"),
+            ("nearest_on_the_left", lambda scan: scan.distance(), "Look only on the left"),
             (
                 "nearest_on_the_left",
                 lambda scan: float(np.nanmin(scan.ranges[len(scan) * 2 // 3 : len(scan) * 5 // 6], initial=np.inf)),
@@ -318,7 +318,7 @@ class TestPrograms:
             ("wall_ahead", lambda scan: scan.distance("front"), "a wall close on the left: you returned "),
             ("wall_ahead", lambda scan: scan.ranges[len(scan) // 2], "One ray is not enough"),
             ("wall_ahead", lambda scan: scan.ranges[200:340].min(), "nan is not a distance"),
-            ("stop_before_wall", drive_on, "return Drive() where something is near"),
+            ("stop_before_wall", drive_on, "return Drive() if something is near"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (scan.distance("front") > 0.5)), "take a narrower sector"),
             ("stop_before_wall", lambda scan: Drive(0.2 * (not ahead(scan) < 0.5)), "it drives blind"),
             ("stop_before_wall", lambda scan: Drive(keep_distance(scan, 0.5)), "it drives blind"),
@@ -331,7 +331,7 @@ class TestPrograms:
             ("follow_wall", stop, "turn left, and drive on"),
             ("follow_wall", lambda: Drive(0.01), "it has not reached the wall"),
             ("follow_wall", lambda scan: Drive(0.2) if ahead(scan) > 0.5 else Drive(0, 1.0), "turn left when it is"),
-            ("follow_wall", lambda time: Drive(0.2) if not 9.5 < time < 11.75 else Drive(0, 1), "turn right where it"),
+            ("follow_wall", lambda time: Drive(0.2) if not 9.5 < time < 11.75 else Drive(0, 1), "turn right when it"),
             ("back_off", follow, "it still pushes 1 s after"),
             ("back_off", back_alone, "for the fourth time"),
             ("back_off", lambda time: Drive(0.2 if time < 4 else 0.0), "it did not reach the box"),
