@@ -37,7 +37,7 @@ every_file = pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.re
 
 
 # A cell of a notebook shows its last expression, and what it displays.
-_SHOWS = re.compile(r"(?<!OnDemand)Widget\(|\.show\(|\.scanogram\(|wander\(")  # a row of kinds is no widget
+_SHOWS = re.compile(r"(?<!OnDemand)Widget\(|\.show\(|\.scanogram\(|wander\(")  # a row of kinds is not a widget
 _WIDGET = re.compile(r"\w+Widget\(")
 _CELLS = """
 from IPython.core.interactiveshell import InteractiveShell
@@ -122,7 +122,7 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(file: Path, tmp_path: Path
     run = [_CELLS]
     for block in parts:
         shows = int(bool(_SHOWS.search(block.text)))
-        if file.name == "README.md":  # a reader who pastes its first cells needs all files that they use
+        if file.name == "README.md":  # to paste its first cells, a reader needs all files that they use
             shows = max(shows, len(_WIDGET.findall(block.text)))
         run.append(f"run({block.text!r}, {f'{file}:{block.line}'!r}, {shows})")
     script = tmp_path / "page.py"

@@ -30,7 +30,7 @@ CODE = {
 
 
 class Participant:
-    """A simulated participant, who takes some seconds for each task, and has an opinion."""
+    """A simulated participant with an opinion, and some seconds for each task."""
 
     def __init__(self, number: int, folder: Path) -> None:
         self.time = 0.0

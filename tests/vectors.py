@@ -229,7 +229,7 @@ def make_steps() -> list[list[Any]]:
 
 
 def make_beats() -> dict[str, float]:
-    """Rules of which the page needs only the numbers."""
+    """Rules whose numbers alone the page needs."""
     return {"beat": staleness.BEAT, "page": staleness.PAGE_SILENCE, "scan gap": staleness.SCAN_GAP.steps}
 
 

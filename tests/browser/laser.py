@@ -166,7 +166,7 @@ def locate(
     """Locate a known scan: the outermost dots give the position, and every other dot must match it.
 
     Args:
-        rays: metres and degrees of every reading; there are no others.
+        rays: metres and degrees of all readings.
     """
     turn = _TURNS[forward]
     place: Place | None = None

@@ -1,4 +1,4 @@
-"""A real JupyterLab with its own settings: it neither reads nor changes the settings of the user who runs the tests."""
+"""A real JupyterLab with its own settings: it neither reads nor changes the settings of the current user."""
 
 from __future__ import annotations
 

@@ -147,7 +147,7 @@ def test_a_drawing_that_changes_no_row_leaves_the_list_as_it_is(plain_page: Call
     assert nb.page.evaluate("window.scrolled") == 0
 
 
-def test_hostile_texts_stay_texts_and_long_ones_are_cut_and_told(plain_page: Callable[..., PlainPage]) -> None:
+def test_hostile_texts_stay_texts_and_long_ones_are_cut_and_marked(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([HOSTILE])
     card = nb.widget(0).locator(".rw-card")
     expect(card.locator(".rw-event-text").first).to_have_text("<img src=x onerror=alert(1)>")

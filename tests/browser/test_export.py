@@ -35,7 +35,7 @@ frozen.pinned = 4
 frozen.update(**fan({9: 0.9}))
 display(laser, frozen, speed, touch)
 """
-# A whole recording, of which the page has one second, and widgets that wait for data that can never come.
+# A whole recording, with one second on the page, and widgets that wait for data that can never come.
 ALONE = f"""
 import robowidgets
 player = robowidgets.open({str(SAMPLE)!r}).show()

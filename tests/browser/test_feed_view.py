@@ -54,7 +54,7 @@ COVERED = """(cards) => cards.flatMap((card) => {
     const seen = (x, y) => card.contains(document.elementFromPoint(left + x * width, top + y * height));
     return [[0.04, 0.12], [0.5, 0.5], [0.96, 0.88]].every(([x, y]) => seen(x, y)) ? [] : [card.className];
 })"""
-"""Return the cards of which a part is outside the window or under another card."""
+"""Return the cards that are partly outside the window or under another card."""
 CUT = """(cards) => cards.filter((card) => card.scrollWidth > card.clientWidth + 1).map((card) => card.className)"""
 
 

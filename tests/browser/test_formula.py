@@ -38,7 +38,7 @@ def test_a_pinned_ray_unfolds_its_formula_and_its_unit_holds_for_all_angles(
     expect(formula.locator(".rw-formula-names")).to_have_text("angle_min + 489 × increment")
     expect(formula.locator(".rw-formula-numbers")).to_have_text("−2.35619 + 489 × 0.00872665")
     expect(formula.locator(".rw-formula-result")).to_have_text("= 1.91114 rad = 109.50°")
-    assert python("laser.pinned, laser.formula") == "489 True", "the click is none on the picture"
+    assert python("laser.pinned, laser.formula") == "489 True", "the picture gets no click"
     for width in (700, 400, 320):
         nb.resize(width)
         shoot(card, f"laser-formula-{theme}-{width}")

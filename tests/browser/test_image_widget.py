@@ -119,7 +119,7 @@ def test_a_page_gets_the_next_when_it_has_drawn_the_last_and_asks_for_what_was_t
     nb = plain_page([DEPTH.replace("camera\ncamera.cam", "camera.cam") + "\ncamera"])
     card = nb.output(0).locator(".rw-card.rw-image")
     expect(card.locator(".rw-facts")).to_contain_text("32FC1")
-    wait_for(lambda: nb.python("camera._credit._is_free") == "True", "the page has said what it has drawn")
+    wait_for(lambda: nb.python("camera._credit._is_free") == "True", "the page has reported its drawing")
     nb.python("camera.update(np.arange(4_000_000, dtype=np.float32).reshape(1000, 4000) + 1)")
     expect(card.locator(".rw-image-facts")).to_contain_text("every 4th row and column shown")
     picture = card.locator(".rw-picture")

@@ -453,7 +453,7 @@ class Lite:
     """A notebook in JupyterLite.
 
     Attributes:
-        loading: what the bar said while it loaded: value, most, and text.
+        loading: states of the bar while it loaded: value, most, and text.
     """
 
     def __init__(self, page: Page, console: Console, address: str) -> None:

@@ -74,7 +74,7 @@ def test_the_picture_lists_its_keys(plain_page: Callable[..., PlainPage], width:
         expect(listed).to_be_visible()
         listed.click()
         expect(listed).to_be_hidden()
-    assert nb.python("laser.pinned") == "", "the click is none on the picture"
+    assert nb.python("laser.pinned") == "", "the picture gets no click"
 
 
 def test_counts_are_read_without_their_glyphs_and_the_button_for_rays_has_a_word(

@@ -193,7 +193,7 @@ def test_free_space_is_cut_out_of_the_area_when_asked_for(plain_page: Callable[.
     assert {Picture(card).colour(*free), Picture(card).colour(*taken)} == {DARK["area"]}
     nb.python("laser.free_space = True")
     eventually(lambda: Picture(card).colour(*free), SEEN)
-    assert Picture(card).colour(*taken) == DARK["area"], "behind a reading nobody knows"
+    assert Picture(card).colour(*taken) == DARK["area"], "behind a reading it is unknown"
     shoot(card, "free-space-dark")
     nb.python("laser.update(**fan({i: nan for i in range(10, 15)} | {5: inf}))")
     eventually(lambda: Picture(card).colour(*free), DARK["area"])

@@ -141,7 +141,7 @@ def test_a_height_can_be_given_and_taken_back(plain_page: Callable[..., PlainPag
         nb.python(f"shown.layout.height = {given}")
         style = nb.widget(1).evaluate_handle("(host) => host")
         nb.page.wait_for_function("([host, given]) => host.style.height === given", arg=[style, given.strip("'")])
-        assert room(card)["picture"] == usual["picture"], f"{given} of a height that nobody gave"
+        assert room(card)["picture"] == usual["picture"], f"{given} of a height that was not given"
 
 
 def test_too_little_height_leaves_a_picture_to_look_at(plain_page: Callable[..., PlainPage]) -> None:

@@ -30,7 +30,7 @@ def drive(seconds):
         time.sleep(0.05)
 laser
 """
-# Pixels in the colour of what programs draw.
+# Pixels in the colour of drawn numbers.
 OWN = """(root) => {
   const canvas = root.querySelector("canvas");
   const hex = getComputedStyle(root).getPropertyValue("--rw-own").trim();

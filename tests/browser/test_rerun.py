@@ -53,7 +53,7 @@ def test_viewer_and_widgets_stand_side_by_side_and_follow_each_other(notebook: C
     assert world
     assert laser
     assert world["x"] + world["width"] <= laser["x"], "the world is on the left"
-    assert abs(world["y"] - laser["y"]) < 50, "beside each other"
+    assert abs(world["y"] - laser["y"]) < 50, "next to each other"
     assert min(world["width"], laser["width"]) > 350
 
     nb.python("told.clear(); player.time = 40.75")
@@ -61,7 +61,7 @@ def test_viewer_and_widgets_stand_side_by_side_and_follow_each_other(notebook: C
     expect(now(nb)).to_have_text("40.75")
     slider = nb.output(0).locator(".rw-player input[type=range]")
     slider.evaluate("slider => { slider.value = 21.5; slider.dispatchEvent(new Event('input')); }")
-    wait_for(lambda: nb.python("print(told)").strip() == "[40750000000, 21500000000]", "Rerun was told")
+    wait_for(lambda: nb.python("print(told)").strip() == "[40750000000, 21500000000]", "Rerun got it")
     viewer_follows(nb)
     shoot(nb.output(0), "rerun-beside")
 

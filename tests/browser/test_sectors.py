@@ -75,7 +75,7 @@ def test_a_drag_makes_a_sector_with_a_name_and_code_that_gives_its_number(plain_
     expect(chip(card).locator(".rw-chip-median")).to_have_text("median 1.72 m")
     expect(chip(card).locator(".rw-chip-valid")).to_have_text("5 of 5 valid")
     eventually(lambda: nb.python("laser.selection.slice"), "slice(9, 14, None)")
-    expect(card.locator(".rw-popup:visible")).to_have_count(0)  # the end of a drag is no click
+    expect(card.locator(".rw-popup:visible")).to_have_count(0)  # the end of a drag is not a click
 
     nb.page.evaluate(CLIPBOARD)
     for form, given in (
@@ -287,7 +287,7 @@ def test_rays_are_typed_and_an_invalid_entry_is_reported(plain_page: Callable[..
 
 def test_rays_are_typed_where_nothing_is_picked_also_while_a_cell_runs(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([FIRST, "LaserWidget()"])
-    expect(nb.widget(1).locator(".rw-type")).to_be_disabled()  # there are no rays yet
+    expect(nb.widget(1).locator(".rw-type")).to_be_disabled()  # no rays yet
     card, keys = nb.widget(0).locator(".rw-card"), nb.page.keyboard
     field, error, button = (card.locator(name) for name in (".rw-chip-expression", ".rw-chip-error", ".rw-type"))
     for width in (700, 400):

@@ -165,7 +165,7 @@ def test_a_finger_drags_the_robot_and_scrolls_elsewhere(plain_page: Callable[...
     wait_for(lambda: nb.page.evaluate("scrollY") > 0, "elsewhere it scrolls")
 
 
-def test_what_is_moved_stays_there_until_a_busy_kernel_answers(plain_page: Callable[..., PlainPage]) -> None:
+def test_moved_things_stay_until_a_busy_kernel_answers(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([OPEN], width=760)
     house, footer = House(nb), nb.widget(0).locator(".rw-footer")
     with nb.busy():

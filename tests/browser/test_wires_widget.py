@@ -155,7 +155,7 @@ def test_frozen_values_stay_while_others_come_and_the_robots_widgets_freeze_too(
         expect(box(widget, "avoid").locator(".rw-wire-fact")).not_to_have_text(runs or "")
 
 
-def test_keys_walk_from_box_to_box_and_a_screen_reader_hears_what_is_picked(
+def test_keys_walk_from_box_to_box_and_a_screen_reader_reads_the_picked_one(
     plain_page: Callable[..., PlainPage],
 ) -> None:
     nb = plain_page([OPEN], width=1180)

@@ -26,7 +26,7 @@ def to_number(message: Any) -> Number:
     """Return the number in a Float64, or in a String like "1.5 m"; return a `Number` as it is.
 
     Raises:
-        TypeError: it is no such message, or a String of other words.
+        TypeError: the message has another type, or a String of other words.
     """
     message = unwrap(message)
     if isinstance(message, Number):

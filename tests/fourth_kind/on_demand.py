@@ -115,7 +115,7 @@ FIELDS = OnDemandWidget(name="lines", widget="tests.fourth_kind.on_demand:Fields
 
 @contextmanager
 def added() -> Iterator[None]:
-    """Add these rows to the table for a while, without any other on-request rows."""
+    """Add these rows to the table for a while, without any other on-demand rows."""
     before = dict(ON_DEMAND)
     ON_DEMAND.clear()
     try:

@@ -1,8 +1,8 @@
 """publisher.py TOPIC WHAT NUMBER: a ROS 1 node, run by the system's Python; WHAT says what it does 50 times a second.
 
 scan      LaserScan with so many rays
-shy       the same; it refuses its first subscriber, and is no publisher for a second then
-cut       LaserScan of which the end is missing
+shy       the same; it refuses its first subscriber, and then stops publishing for a second
+cut       LaserScan without its end
 cut_sweep the same, of a package that is not installed
 sweep     a LaserScan by another name, of a package that is not installed
 image     Image of 100 MB, once a second

@@ -70,7 +70,7 @@ class Opened(NamedTuple):
         self.ros.publish(topic, STAMPED, {"twist": {"linear": {"x": x}}})
 
     def wait_for_listener(self, topic: str) -> None:
-        wait_for(lambda: self.told.advert(topic).wanted, "somebody listens")
+        wait_for(lambda: self.told.advert(topic).wanted, "a node listens")
 
 
 @contextlib.contextmanager
@@ -327,7 +327,7 @@ def test_a_robot_that_was_killed_is_no_longer_published_to(middleware, robot):
     there.process.wait()
     with pytest.raises(FeedError, match=r"/dead/cmd_vel: /hear_\w+ listens to it, but has not connected"):
         middleware.publish("/dead/cmd_vel", 0.0)
-    wait_for(lambda: middleware.told.unheard.get("/dead/cmd_vel"), "it is told who does not hear")
+    wait_for(lambda: middleware.told.unheard.get("/dead/cmd_vel"), "the missing subscriber is reported")
     assert "rosnode cleanup makes the master forget it" in middleware.told.unheard["/dead/cmd_vel"]
 
 
@@ -407,7 +407,7 @@ def test_a_refused_robot_is_reported_and_asked_again_until_it_connects(middlewar
     middleware.wait_for_listener("/deaf/cmd_vel")
     with pytest.raises(FeedError, match=r"/deaf/cmd_vel: /hear_\w+ listens to it, but has not connected"):
         middleware.publish("/deaf/cmd_vel", 0.25)
-    wait_for(lambda: middleware.told.unheard.get("/deaf/cmd_vel"), "it is told")
+    wait_for(lambda: middleware.told.unheard.get("/deaf/cmd_vel"), "it is reported")
     wait_for(lambda: refused, "the robot was refused")
     words = f"{refused[0]} listens to /deaf/cmd_vel, but does not connect; it is asked again"
     wait_for(lambda: middleware.told.said == [words, ""], "it has connected")
@@ -429,7 +429,7 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
         connection.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
     stuck.process.send_signal(signal.SIGSTOP)
     speeds = itertools.count(1)
-    wait_for(lambda: middleware.publish(topic, next(speeds)) or middleware.told.unheard.get(topic), "it is told")
+    wait_for(lambda: middleware.publish(topic, next(speeds)) or middleware.told.unheard.get(topic), "it is reported")
     assert re.fullmatch(rf"/hear_{stuck.process.pid}_\d+ does not read {topic}", middleware.told.unheard[topic])
     last = next(speeds)
     wait_for(lambda: other.heard[-1] == last - 1, "the other robot hears all the same")
@@ -476,7 +476,7 @@ def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middlew
         assert not feed.status
         there.process.kill()
         there.process.wait()
-        wait_for(lambda: feed.status, "nobody is left")
+        wait_for(lambda: feed.status, "no subscriber is left")
         with pytest.raises(
             FeedError, match="/gone/cmd_vel: no subscriber is connected, and there is no ROS master at http:"
         ):
@@ -628,7 +628,9 @@ def test_an_error_of_any_kind_is_reported_and_it_is_tried_again(feed, monkeypatc
     wait_for(lambda: not feed.status, "it is connected")
     with monkeypatch.context() as patch:
         patch.setattr(feed.connection.middleware, "_adverts_of", lambda state: state["odd"])
-        wait_for(lambda: "the rospy node of this process cannot be used: tuple indices must be" in feed.status, "told")
+        wait_for(
+            lambda: "the rospy node of this process cannot be used: tuple indices must be" in feed.status, "reported"
+        )
     wait_for(lambda: not feed.status, "it is connected again")
 
 

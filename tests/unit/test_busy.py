@@ -45,7 +45,7 @@ def run(before: str = "", work: int = 100_000, seconds: float = 1.0) -> tuple[in
 
 
 @pytest.mark.parametrize("work", [30_000, 200_000])
-def test_a_loop_that_reads_a_file_each_millisecond_does_not_starve_what_is_sent(work: int) -> None:
+def test_a_loop_that_reads_a_file_each_millisecond_does_not_starve_sending(work: int) -> None:
     sent, _ = run(work=work)
     assert sent > 10, "of 40"
 

@@ -134,7 +134,7 @@ run(7, "bot.close()")
 
 
 @pytest.mark.slow  # a process with IPython
-def test_a_cell_that_drives_says_once_what_happens_and_where_it_is_seen() -> None:
+def test_a_driving_cell_prints_once_what_happens_and_which_widget_shows_it() -> None:
     done = subprocess.run([sys.executable, "-c", IN_CELLS], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     drives = "the simulated robot: each speed on /cmd_vel holds for 0.5 s; bot.show() shows the robot"

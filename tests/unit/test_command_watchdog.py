@@ -482,9 +482,9 @@ def test_observers_get_every_change_and_none_of_them_prevents_zero(watchdog: Com
 
     watchdog.observe(fail)
     drive(watchdog, FORWARD)
-    wait_for(lambda: told == [FORWARD], "it is told")
+    wait_for(lambda: told == [FORWARD], "it is reported")
     watchdog.stop()
-    wait_for(lambda: told == [FORWARD, ZERO], "both are told")
+    wait_for(lambda: told == [FORWARD, ZERO], "both are reported")
     watchdog.unobserve(fail)
     drive(watchdog, FORWARD)
     watchdog.sent_in_time(watchdog.stop())
@@ -502,7 +502,7 @@ def test_at_the_end_zero_goes_to_all_at_once_though_one_of_them_hangs(watchdog: 
     stop_all(0.1)
     assert sink.speeds == [FORWARD, ZERO]
     hanging.gate.set()
-    wait_for(lambda: hanging.speeds[-1] == ZERO, "the other is told when it comes back")
+    wait_for(lambda: hanging.speeds[-1] == ZERO, "the other is notified when it comes back")
 
 
 def test_a_failed_cell_stops_its_robot_while_others_begin_and_end(monkeypatch: pytest.MonkeyPatch) -> None:

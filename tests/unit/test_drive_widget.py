@@ -116,7 +116,7 @@ class TestFromThePage:
         assert pad.heard == []
         answer = pad.hear("hold", token=token, forward=0.5, turn=-1)
         assert answer["token"] > token
-        wait_for(lambda: pad.commanded == Speed((0.2, 0, 0), (0, 0, -2.0)), "it was told")
+        wait_for(lambda: pad.commanded == Speed((0.2, 0, 0), (0, 0, -2.0)), "it was reported")
         assert pad.hear("release") == {"press": "p", "over": "released"}
         pad.rests()
         assert pad.heard == [(0.2, -2.0), ZERO]
@@ -244,7 +244,7 @@ class TestSink:
         pad = Pad(send=send, lateral_limit=0.2)
         assert pad.told["lateral_limit"] == 0.2
         pad.hear("hold", token=pad.press(), forward=0.2, lateral=-0.5)
-        wait_for(lambda: pad.commanded == Speed((0.1, -0.1, 0), (0, 0, 0)), "it was told")
+        wait_for(lambda: pad.commanded == Speed((0.1, -0.1, 0), (0, 0, 0)), "it was reported")
         pad.hear("release")
         pad.rests()
         assert heard == [(0.1, 0.0, -0.1), Velocity()]
@@ -325,7 +325,7 @@ class TestSink:
 
         pad = Pad(send=send)
         pad.hear("hold", token=pad.press(), forward=1)
-        wait_for(lambda: pad.told["error"].endswith(". Sending zero failed, too"), "both are said")
+        wait_for(lambda: pad.told["error"].endswith(". Sending zero failed, too"), "both are reported")
         assert pad.told["error"].startswith("The robot could not be driven: TypeError: ")
         assert pad.told["cause"].endswith("takes 1 positional argument but 2 were given")
         pad.close()
@@ -376,7 +376,7 @@ class TestFeed:
         pad.hold(forward=0.2, turn=-1)
         wait_for(lambda: script.speeds == [(0.1, -1.0)], "it drives")
         assert [t.name for t in threading.enumerate()].count("robowidgets-drive") == 1
-        wait_for(lambda: pad.commanded == Speed((0.1, 0, 0), (0, 0, -1.0)), "it is told")
+        wait_for(lambda: pad.commanded == Speed((0.1, 0, 0), (0, 0, -1.0)), "it is reported")
         pad.hear("release")
         wait_for(lambda: script.speeds == [(0.1, -1.0), ZERO], "it stops")
         assert pad.title == "/cmd_vel"
@@ -482,7 +482,7 @@ class TestFeed:
         token = pad.hear("hold", token=token, forward=0.2)["token"]
         words = "The robot could not be driven: FeedError: no room"
         both = f"{words}. Sending zero failed, too"
-        wait_for(lambda: pad.told["error"] == both, "both are told")
+        wait_for(lambda: pad.told["error"] == both, "both are reported")
         assert pad.told["cause"] == "no room"
         assert pad.told["speed"] == (0.1, 0.0, 0.0), "it is assumed to move"
         assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
@@ -510,7 +510,9 @@ class TestFeed:
             token = pad.hold(forward=1)
             wait_for(lambda: pad.commanded.linear[0], "it drives")
         feed.close()
-        wait_for(lambda: pad.told["cause"] == "the feed is closed", "it is told")  # perhaps by the thread that sends
+        wait_for(
+            lambda: pad.told["cause"] == "the feed is closed", "it is reported"
+        )  # perhaps by the thread that sends
         assert (pad.told["ready"], pad.told["driver"]) == (False, "")
         if held:
             assert script.speeds[-1] == ZERO
@@ -617,11 +619,11 @@ class TestToThePage:
         for count in range(1, 26):
             feed.drive(0.2, 0.5)
             wait_for(lambda count=count: len(script.speeds) == count, "it was sent")  # type: ignore[misc]
-        wait_for(lambda: page.state["_state"]["speed"] == Velocity(0.2, 0.5), "it is told")
+        wait_for(lambda: page.state["_state"]["speed"] == Velocity(0.2, 0.5), "it is reported")
         most = 6 + time.monotonic() - began
         assert len(page.sent("_state")) < most, "a constant speed is reported at a low rate, not each second"
         feed.drive(0.0)
-        wait_for(lambda: page.state["_state"]["speed"] == Velocity(), "the last is told")
+        wait_for(lambda: page.state["_state"]["speed"] == Velocity(), "the last is reported")
         assert set(page.threads) == {"robowidgets-pacer"}
 
     def test_while_it_is_driven_the_page_hears_so_each_second(
@@ -642,7 +644,7 @@ class TestToThePage:
                 state["number"] for state in page.sent("_state") if state["driver"] and state["speed"] != Velocity()
             }
 
-        wait_for(lambda: len(numbers()) >= 4 and len(times) >= 4, "it is told again and again")
+        wait_for(lambda: len(numbers()) >= 4 and len(times) >= 4, "it is reported again and again")
         # The first is renewed when the state changes, too.
         assert all(after - before >= soon for before, after in pairwise(times[1:]))
 

@@ -65,7 +65,7 @@ def test_what_cannot_be_understood_is_reported_and_the_last_picture_stays(widget
     with pytest.raises(ValueError, match="encoding: expected one of"):
         widget.update({"height": 1, "width": 1, "step": 1, "encoding": "huh", "data": b"1"})
     ask(widget, {"drawn": 1, "page": "one"})
-    wait_for(lambda: "error" in page.state["_about"], "the page was told")
+    wait_for(lambda: "error" in page.state["_about"], "the page got it")
     assert len(page.sent("_frame")) == 1
     widget.update(COLORS)
     ask(widget, {"drawn": 1, "page": "one"})
@@ -82,7 +82,7 @@ def test_a_file_that_cannot_be_unpacked_is_reported_once_and_the_last_picture_st
     widget.update({"format": "jpeg", "data": jpeg})
     wait_for(lambda: len(page.sent("_frame")) == 2, "the last good one went once more")
     ask(widget, {"drawn": 2, "page": "one"})
-    wait_for(lambda: "is damaged" in page.state["_about"].get("error", ""), "the page was told")
+    wait_for(lambda: "is damaged" in page.state["_about"].get("error", ""), "the page got it")
     assert page.state["_frame"][FRAME_HEADER.size :] == page.sent("_frame")[0][FRAME_HEADER.size :]
     pacer.flush()
     assert len(caplog.records) == 1

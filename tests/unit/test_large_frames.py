@@ -269,4 +269,4 @@ class TestWidget:
 
     def test_the_frames_of_a_player_need_no_answer(self, widget: LargeNumber, page: Page) -> None:
         widget.follow_player()
-        wait_for(lambda: page.state["_answers"] is False, "the page was told")
+        wait_for(lambda: page.state["_answers"] is False, "the page got it")

@@ -394,7 +394,7 @@ class TestFrame:
         ],
         ids=["intensities", "plain", "one ray", "empty", "no reading", "clockwise"],
     )
-    def test_what_is_packed_is_read_again(self, laser: LaserWidget, scan: Scan) -> None:
+    def test_packed_content_is_read_again(self, laser: LaserWidget, scan: Scan) -> None:
         laser.update(scan)
         frame = laser.get_state()["_frame"]
         assert isinstance(frame, bytes)
@@ -515,7 +515,7 @@ class TestAngleOffset:
         laser.update(**{**MESSAGE, "angle_min": "-20deg"})
         assert laser.scan.angle_min == pytest.approx(radians(70))
 
-    def test_leaves_what_is_frozen(self, laser: LaserWidget) -> None:
+    def test_leaves_the_frozen_scan(self, laser: LaserWidget) -> None:
         laser.update(MESSAGE)
         laser.paused = True
         laser.angle_offset = 1.0

@@ -102,7 +102,7 @@ def test_it_tells_states_events_times_and_what_fired(script: Scripted, robot: Fe
         script.listener.on_message("/scan", scan(0.9, 0.8))  # again: a busy machine may step when one is too old
         return step(page).get("judged")
 
-    wait_for(is_told, "it is told")
+    wait_for(is_told, "it is reported")
     assert step(page)["states"] == {"Walker": ["forward", 0.0]}
     assert step(page)["judged"] == [["Walker", "near", False, "0.80 \u2265 0.50 m"]]
     outline = page.state["_outline"]
@@ -130,7 +130,7 @@ def test_it_tells_states_events_times_and_what_fired(script: Scripted, robot: Fe
     assert [(end is None, path) for _, end, path in outer] == [(False, "Walker.forward"), (True, "Walker.avoid")]
     assert outer[0][1] == outer[1][0] == inner[0][0] == fired["at"]
     program.pause()
-    wait_for(lambda: page.state["_about"]["mode"] == "paused", "the pause is told")
+    wait_for(lambda: page.state["_about"]["mode"] == "paused", "the pause is reported")
 
 
 def test_a_new_version_is_reported_once_and_a_function_in_its_place_is_named(robot: Feed, page: Page) -> None:
@@ -143,7 +143,7 @@ def test_a_new_version_is_reported_once_and_a_function_in_its_place_is_named(rob
     assert len(page.sent("_outline")) == 1
     Blink.off = None
     robot.program(Blink, rate=200)
-    wait_for(lambda: step(page)["key"] == "Blink 2", "the second version is told")
+    wait_for(lambda: step(page)["key"] == "Blink 2", "the second version is reported")
     assert len(page.sent("_outline")) == 2
 
     @robot.program
@@ -166,7 +166,7 @@ def test_an_error_is_reported_and_the_last_good_step_stays(robot: Feed, page: Pa
     robot.program(Fails, rate=100)
     wait_for(lambda: step(page).get("states"), "it runs")
     robot.variables.x = 0
-    wait_for(lambda: "ZeroDivisionError" in page.state["_source"]["error"], "the error is told")
+    wait_for(lambda: "ZeroDivisionError" in page.state["_source"]["error"], "the error is reported")
     assert step(page)["states"]["Fails"][0] == "first"
     assert page.state["_about"]["mode"] == "failed"
 
@@ -185,7 +185,7 @@ def test_steps_are_reported_twenty_times_a_second_and_the_newest_wins(robot: Fee
     # By the elapsed real time: the times of a late program do not give the number of messages.
     assert len(page.sent("_frame")) <= 2 + (time.monotonic() - began) / INTERVAL
     program.pause()
-    wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is told")
+    wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is reported")
 
 
 def test_of_two_threads_that_tell_a_step_at_once_the_last_one_tells_the_newest(
@@ -210,7 +210,7 @@ def test_of_two_threads_that_tell_a_step_at_once_the_last_one_tells_the_newest(
 
     monkeypatch.setattr(widget, "_show", is_overtaken)
     widget._on_step()
-    wait_for(lambda: widget._newest.sample is machine.last_step, "the newest is told")
+    wait_for(lambda: widget._newest.sample is machine.last_step, "the newest is reported")
     widget.close()
 
 
@@ -228,7 +228,7 @@ def test_an_event_that_made_a_move_is_true_in_the_first_frame_after_it(robot: Fe
     program = robot.program(Ticks, rate=200)
     wait_for(lambda: len(program.version.function.fired) > 20, "ten moves are made on the event")
     program.pause()
-    wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is told")
+    wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is reported")
     frames = [json.loads(frame[FRAME_HEADER.size :]) for frame in page.sent("_frame")]
     last = frames[-1]["time"]  # a step in progress may still come
     times = [fired.time for fired in program.version.function.fired if fired.why == "on ten" and fired.time <= last]
@@ -265,7 +265,7 @@ def test_the_state_in_which_a_step_failed_is_reported_until_it_goes_on(robot: Fe
     wait_for(lambda: step(page).get("states", {}).get("Failing", [""])[0] == "second", "it runs")
     assert page.state["_about"]["failed"] == ""
     robot.variables.bad = True
-    wait_for(lambda: page.state["_about"]["failed"] == "Failing.second", "the state is told")
+    wait_for(lambda: page.state["_about"]["failed"] == "Failing.second", "the state is reported")
     robot.variables.bad = False
     program.run()
     wait_for(lambda: page.state["_about"]["failed"] == "", "it goes on")

@@ -499,7 +499,7 @@ class TestLayers:
         assert path.frozen is not None
         assert [one.pose for one in path.frozen.layers or ()] == [(1.0, 2.0, 0.0)]
 
-    def test_what_is_packed_is_read_again_and_far_from_the_origin_it_is_as_exact(self) -> None:
+    def test_packed_points_are_read_again_and_are_as_exact_far_from_the_origin(self) -> None:
         points = np.array([[500_000.01, 4_000_000.02], [500_001.03, 4_000_000.05]])
         one = Placed(2, 1.5, Pose(1.0, 2.0, nan), Scatter(0.1, 0.0, 0.2), points, 5, None)
         (read,) = unpack_layers(pack_layers([one]))

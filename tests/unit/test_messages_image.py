@@ -401,7 +401,7 @@ class TestRegion:
             with pytest.raises(TypeError, match="region: expected"):
                 checked_region(worse)
 
-    def test_statistics_leave_out_what_is_nothing(self) -> None:
+    def test_statistics_leave_out_pixels_without_a_distance(self) -> None:
         image = to_image(np.array([[1.0, np.nan], [3.0, 8.0]], np.float32))
         found = statistics(image, (0, 2, 0, 2))
         assert found == {"of": 4, "count": 3, "channels": [[1.0, 4.0, 3.0, 8.0]]}

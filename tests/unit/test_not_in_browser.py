@@ -38,7 +38,7 @@ def test_a_robot_has_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
         feeds.simulator(process=True)
 
 
-def test_recordings_name_what_is_missing_to_unpack_them(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_recordings_name_the_package_missing_to_unpack_them(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(in_browser, "IN_BROWSER", True)
     monkeypatch.setattr(in_browser, "find_spec", lambda _: None)
     spec = importlib.machinery.SourceFileLoader("robowidgets.recordings", str(recordings.__file__))

@@ -83,7 +83,7 @@ def test_what_raises_is_reported_with_its_line_and_its_error(user: User) -> None
 
     user.define(fail)
     line = fail.__code__.co_firstlineno + 1
-    wait_for(lambda: f"line {line}: SystemExit: out" in user.words, "it is told")
+    wait_for(lambda: f"line {line}: SystemExit: out" in user.words, "it is reported")
 
 
 def test_what_is_replaced_is_left_drives_no_more_and_what_takes_its_place_is_called(user: User) -> None:

@@ -55,24 +55,26 @@ def test_it_tells_what_the_program_does_and_follows_the_next_one(robot: Feed, wi
         sys.stdout.write("on its way\n")
         return Drive(0.2, 0.1)
 
-    wait_for(lambda: (page.state["_state"]["program"] or {}).get("speed") == (0.2, 0.1, 0.0), "its speed is told")
+    wait_for(lambda: (page.state["_state"]["program"] or {}).get("speed") == (0.2, 0.1, 0.0), "its speed is reported")
     told = page.state["_state"]["program"]
     assert (told["name"], told["version"], told["mode"], told["limits"]) == ("go", 1, "running", (0.5, 1.0, 0.0))
-    wait_for(lambda: page.state["_state"]["program"]["prints"][-1][1] == "on its way", "its prints are told")
+    wait_for(lambda: page.state["_state"]["program"]["prints"][-1][1] == "on its way", "its prints are reported")
     assert not told["kept"]
 
     @robot.program(rate=50)
     def forget():  # type: ignore[no-untyped-def]
         Drive(0.3)
 
-    wait_for(lambda: page.state["_state"]["program"]["kept"], "a step without a return is told")
+    wait_for(lambda: page.state["_state"]["program"]["kept"], "a step without a return is reported")
     assert page.state["_state"]["program"]["speed"] == (0.0, 0.0, 0.0)
 
     @robot.program(rate=50)
     def fail():  # type: ignore[no-untyped-def]
         raise RuntimeError("no")
 
-    wait_for(lambda: "RuntimeError: no" in page.state["_state"]["program"]["error"], "the error of the next is told")
+    wait_for(
+        lambda: "RuntimeError: no" in page.state["_state"]["program"]["error"], "the error of the next is reported"
+    )
     assert page.state["_state"]["program"]["name"] == "fail"
     assert not go.has_view
 
@@ -169,7 +171,7 @@ def test_a_program_that_drives_sideways_shows_it_and_one_of_a_robot_that_cannot_
     refused = "cannot drive: lateral is -0.07 m/s, but this robot is not known to move sideways"
     wait_for(lambda: refused in (page.state["_state"]["program"] or {}).get("waiting", ""), "it says why it stands")
     robot.driving = Driving(max_lateral=0.05)
-    wait_for(lambda: page.state["_state"]["program"]["limits"] == (0.5, 1.0, 0.05), "the new limit is told")
+    wait_for(lambda: page.state["_state"]["program"]["limits"] == (0.5, 1.0, 0.05), "the new limit is reported")
     wait_for(lambda: page.state["_state"]["speed"] == (0.0, 0.0, -0.05), "it drives to the right")
     assert page.state["_state"]["program"]["speed"] == (0.0, 0.0, -0.07)
     assert robot.drive_status == "-0.07 m/s sideways is cut to -0.05"
@@ -187,7 +189,7 @@ def test_the_variables_of_a_program_are_shown_as_short_plain_texts(robot: Feed, 
         state.update(n=3, way=0.1 + 0.2, side="left", own=Own(), many=[*range(100)])
         state.scan, state.mean = np.zeros((2, 3)), np.float32(0.25)
 
-    wait_for(lambda: page.state["_state"]["kept"], "it is told")
+    wait_for(lambda: page.state["_state"]["kept"], "it is reported")
     assert dict(page.state["_state"]["kept"]) == {
         "n": "3",
         "way": "0.3",

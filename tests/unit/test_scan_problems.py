@@ -119,7 +119,7 @@ class TestOutside:
         assert whats(0.05, 10) == ["a third or more of the rays lie below range_min (0.1 m)"]
 
     @pytest.mark.parametrize("code", [0.0, 0.001, inf, nan, -inf])
-    def test_what_scanners_send_for_rays_without_a_reading_is_none(self, code: float) -> None:
+    def test_values_that_scanners_send_for_rays_without_a_reading_are_none(self, code: float) -> None:
         assert scan([code] * 29 + [2.0]).problems() == ()
 
     def test_two_scans_with_the_same_problem_have_the_same_words(self) -> None:

@@ -83,7 +83,7 @@ def test_names_lose_the_words_that_all_of_them_have_or_that_are_the_name_of_thei
     }
 
 
-def test_of_a_type_that_is_not_known_nothing_is() -> None:
+def test_an_unknown_type_has_no_schema() -> None:
     assert schema_of(object()) is None
     assert schema_of({}, "nobody_msgs/msg/Nothing") is None
     assert schema_of({}, "a text") is None

@@ -174,7 +174,7 @@ class TestDraw:
         assert 0 < sent["brief"] <= 0.15 < sent["later"] <= 0.3
         assert sent["stays"] is None
         wait_for(lambda: "brief" not in laser.drawn, "its time was over")
-        wait_for(lambda: len(page.state["_about"]["shapes"]) == 2, "Python told the page, without another call")
+        wait_for(lambda: len(page.state["_about"]["shapes"]) == 2, "Python updated the page, without another call")
         wait_for(lambda: len(page.state["_about"]["shapes"]) == 1, "the second went as well")
 
     def test_a_shape_that_is_drawn_again_lives_on(self, laser: LaserWidget) -> None:

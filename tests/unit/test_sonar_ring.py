@@ -126,7 +126,7 @@ def test_a_program_asks_for_sonars_without_a_view() -> None:
     with Feed(script) as feed:
         got: list[Ranges] = []
         program = feed.program(lambda sonars: got.append(sonars), rate=100)
-        wait_for(lambda: program.waiting == "waiting for a topic with sonars", "no message has told yet")
+        wait_for(lambda: program.waiting == "waiting for a topic with sonars", "no message has reported it yet")
         script.listener.on_message(CLIFF.name, NOTHING_BELOW)
 
         def sends() -> bool:
@@ -144,7 +144,7 @@ def test_a_pioneer_drives_by_its_sonars_and_is_recorded_with_them(tmp_path: Path
 
     with feeds.simulator("pioneer", wander=False) as feed:
         view = feed.show()
-        wait_for(lambda: view.widgets.keys() >= set(RING), "each has told what it is")
+        wait_for(lambda: view.widgets.keys() >= set(RING), "each has reported its kind")
         ring = view.widgets[RING[0]]
         assert all(view.widgets[name] is ring for name in RING)
         with feed.record(tmp_path / "run.mcap") as recorder:

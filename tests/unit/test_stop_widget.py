@@ -44,7 +44,7 @@ def test_it_shows_the_driver_and_the_warnings_about_it(feed: Feed, bar: StopWidg
     page = Page(bar)
     feed.driving = Driving(topic="/base/cmd_vel")
     feed.drive(0.2, 0.5)
-    wait_for(lambda: page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "the speed is told")
+    wait_for(lambda: page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "the speed is reported")
     state = page.state["_state"]
     assert (state["driver"], state["topic"]) == (PROGRAM, "/base/cmd_vel")
     assert state["status"] == "/base/cmd_vel has no subscriber, unlike /cmd_vel"
@@ -103,7 +103,7 @@ def test_a_zero_that_fails_is_reported_until_it_was_sent(feed: Feed, script: Scr
     script.broken = "no room"
     bar.stopped = True
     text = "Sending zero to the robot failed: FeedError: no room"
-    wait_for(lambda: page.state["_state"]["error"] == text, "it is told")
+    wait_for(lambda: page.state["_state"]["error"] == text, "it is reported")
     assert page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "it is assumed to move"
     script.broken = ""
     wait_for(lambda: page.state["_state"]["error"] == "", "the zero was sent after all")

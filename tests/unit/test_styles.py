@@ -72,6 +72,6 @@ def test_what_carries_a_reading_has_contrast(theme: str) -> None:
         assert contrast(of[ink], of["free"]) >= 4.5
 
 
-def test_in_the_dark_what_is_free_does_not_outshine_what_is_touched() -> None:
+def test_in_the_dark_free_sensors_do_not_outshine_touched_ones() -> None:
     of = colours("dark")
     assert 2 * luminance(of["free"]) < luminance(of["touch"])

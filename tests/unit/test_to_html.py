@@ -225,7 +225,7 @@ def test_a_full_disk_leaves_nothing_and_keeps_what_was_there(
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_a_page_of_what_a_player_shows_has_its_settings(path: Path, tmp_path: Path) -> None:
+def test_a_page_of_a_players_view_has_its_settings(path: Path, tmp_path: Path) -> None:
     with robowidgets.open(path) as recording:
         player = recording.show()
         try:

@@ -215,7 +215,7 @@ class TestReadyMade:
         verdict = conditions.nearest_below(0.5).judge(scan(*ranges))
         assert (verdict.value, verdict.rays.tolist()) == (value, rays)
 
-    def test_nearest_below_says_what_is_nearest_in_its_sector(self) -> None:
+    def test_nearest_below_names_the_nearest_ray_in_its_sector(self) -> None:
         verdict = conditions.nearest_below(0.5, ("-3deg", "30deg")).judge(SEEN)
         assert (verdict.text, verdict.nearest) == ("0.40 < 0.50 m", SEEN[2])
 

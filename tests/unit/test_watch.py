@@ -102,7 +102,7 @@ class TestLamp:
         wait_for(lambda: sequence(page.state) == 1, "the scan is shown")
         assert lamp(page)["state"] == "unknown"
         words = r"has not returned for \d+\.\d s, line \d+$"
-        wait_for(lambda: re.match(words, lamp(page)["text"]), "the lamp says where it hangs")
+        wait_for(lambda: re.match(words, lamp(page)["text"]), "the lamp shows where it hangs")
         show(laser, 0.3)
         wait_for(lambda: sequence(page.state) == 2, "the next scan is shown, too")
         laser.watch(lambda scan: scan.distance() < 0.5, name="wall")

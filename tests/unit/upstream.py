@@ -288,7 +288,7 @@ def the_server_of_foxglove_leaves_nagle_on() -> bool:
 
 
 def own_sockets() -> list[socket.socket]:
-    """The sockets of this process, including those of libraries outside Python."""
+    """The sockets of this process, including sockets of libraries outside Python."""
     links = [link for link in Path("/proc/self/fd").iterdir() if link.is_symlink()]
     return [socket.socket(fileno=os.dup(int(link.name))) for link in links if link.is_socket()]
 

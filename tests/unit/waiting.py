@@ -24,5 +24,5 @@ def wait_for(condition: Callable[[], object], what: str, seconds: float = 240.0,
 
 
 def threads_named(name: str) -> int:
-    """The number of living threads of this name. The count of all threads falls when any thread ends."""
+    """The number of living threads of this name. The count of all also falls when another test's thread ends."""
     return sum(thread.name == name for thread in threading.enumerate())

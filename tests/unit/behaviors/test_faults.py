@@ -118,7 +118,7 @@ def test_an_interrupt_between_cells_and_in_one_stops_the_robot(kernel: Kernel) -
     expect_zero(kernel, since)
     expect(kernel, "paused")
     busy = kernel.start("busy", "avoid.run()\nwhile True: time.sleep(0.01)")
-    wait_for(lambda: kernel.heard[-1][1] == 0.3, "it drives beside a busy cell")
+    wait_for(lambda: kernel.heard[-1][1] == 0.3, "it drives during a busy cell")
     since = time.monotonic()
     kernel.manager.interrupt_kernel()
     assert kernel.end_of(busy)["ename"] == "KeyboardInterrupt"
@@ -188,7 +188,7 @@ def test_functions_that_it_calls_may_be_redefined_and_what_it_keeps_survives(ker
     wait_for(lambda: kernel.heard[-1][1] == 0.23, "the next version has the state")
 
 
-def test_what_lies_beyond_the_limits_is_cut_and_said(kernel: Kernel) -> None:
+def test_points_beyond_the_limits_are_cut_and_noted(kernel: Kernel) -> None:
     run(kernel, "    return Drive(7.0, 90)")
     wait_for(lambda: kernel.heard[-1][1:] == (0.5, 1.0), "it is cut")
     assert kernel.run("look", "assert '7 m/s is cut to 0.5' in feed.drive_status")["status"] == "ok"

@@ -267,7 +267,7 @@ def test_a_state_stays_active_when_the_only_move_that_named_it_is_taken_out() ->
     assert run.at(1.1) == ("forward",)
 
 
-def test_a_class_with_actions_that_no_move_names_is_a_state_and_events_of_inner_machines_are_none() -> None:
+def test_a_class_with_actions_that_no_move_names_is_a_state_and_events_of_inner_machines_are_not() -> None:
     class Walker:
         def near(variables):
             return variables.near

@@ -256,7 +256,7 @@ def test_a_hand_outranks_a_program_which_goes_on_after_it(
 
     wait_for(lambda: (0.2, 0.0) in script.speeds, "it drives")
     robot.watchdog.take("press")
-    wait_for(lambda: "a hand drives" in go.waiting, "it says who drives")
+    wait_for(lambda: "a hand drives" in go.waiting, "it shows the driver")
     count = len(script.speeds)
     robot.driver.drive_by_hand(Velocity(0.1), "press")
     wait_for(lambda: (0.1, 0.0) in script.speeds[count:], "the hand drives")
@@ -623,7 +623,7 @@ def test_pose_and_the_way_since_the_program_began_come_from_all_messages_of_odom
     )
     go.restart()
     script.listener.on_message("/scan", scan())
-    wait_for(lambda: len(got) > 2, "it begins anew")
+    wait_for(lambda: len(got) > 2, "it restarts")
     assert got[-1][1:] == (0.0, 0.0)
 
 
@@ -684,7 +684,7 @@ def test_restart_begins_with_an_empty_state_at_time_zero_in_the_initial_state(ro
     seen.clear()
     program.restart()
     assert program.mode == "running"
-    wait_for(lambda: 1 in seen, "it begins anew")
+    wait_for(lambda: 1 in seen, "it restarts")
     fired = program.version.function.fired  # type: ignore[attr-defined]
     assert program.version.function is not before
     assert [(move.source, move.target) for move in fired] == [("first", "second")]

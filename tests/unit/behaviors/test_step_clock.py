@@ -78,7 +78,7 @@ def test_it_knows_when_something_was_before_and_after_an_interruption(hand: Hand
 
 
 def pass_time(program: Any, hand: Hand, seconds: float) -> None:
-    """Advance the clock, and the program make steps after it."""
+    """Advance the time, and wait for the program's next steps."""
     hand.time += seconds
     steps = program.steps
     wait_for(lambda: program.steps > steps + 1, "it makes a step that began since")

@@ -1,4 +1,4 @@
-"""Stands in for rclpy: one network, nodes on it, executors that call back. Messages are those of rosbags.
+"""Stands in for rclpy: one network, nodes on it, executors that call back. Messages come from rosbags.
 
 If rclpy differs from Humble to Rolling, the stand-in has the strictest behaviour:
 

@@ -111,7 +111,7 @@ def test_its_laser_and_its_sonar_lie_on_its_picture_by_themselves_once_tf_joins_
     wait_for(lambda: "near" in [one["name"] for one in over().get("drawn", ())], "a sector is on the picture")
     image.overlay = False
     left = feed.connection._table.by_topic.keys()
-    assert left - {"/tf"} == {IMAGE, "/scan"}, "besides tf, which relates the angles of the laser to the robot"
+    assert left - {"/tf"} == {IMAGE, "/scan"}, "in addition to tf, which relates the angles of the laser to the robot"
 
 
 def test_its_depth_image_and_its_cloud_are_lasers_where_that_is_asked_for(robot: Robot, simulated: Any) -> None:

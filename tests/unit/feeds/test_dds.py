@@ -568,7 +568,7 @@ def test_a_subscriber_that_does_not_hear_what_is_published_is_reported_until_it_
     robot.do("want_kept", "/cmd_vel", "Twist")
     wait_for(lambda: heard.topics, "the topic is known")
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
-    wait_for(lambda: heard.words("/cmd_vel"), "it is said")
+    wait_for(lambda: heard.words("/cmd_vel"), "it is reported")
     assert heard.words("/cmd_vel") == (
         "a subscriber of /cmd_vel expects earlier messages (durability), so it receives nothing"
     )
@@ -581,7 +581,7 @@ def test_another_subscriber_hears_what_one_does_not(dds: Dds, heard: Ears, robot
     robot.do("want_kept", "/cmd_vel", "Twist")
     wait_for(lambda: heard.topics, "the topic is known")
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
-    wait_for(lambda: heard.words("/cmd_vel"), "it is said")
+    wait_for(lambda: heard.words("/cmd_vel"), "it is reported")
     other.hear("/cmd_vel", "Twist")
     publishing = threading.Event()
 
@@ -708,7 +708,7 @@ def test_no_message_comes_after_unsubscribing(dds: Dds, heard: Ears, robot: Robo
     dds.follow(frozenset({"/other"}))
     session = dds._session
     assert session is not None
-    wait_for(lambda: not session.wishes, "nobody listens")
+    wait_for(lambda: not session.wishes, "no node listens")
     count = len(heard.messages)
     robot.do("write", "/scan", "LaserScan", [1.0], 0.5)
     publish_until(robot, lambda: heard.messages[count:], "the other came", "/other", "LaserScan", [1.0], 0.5)
@@ -776,7 +776,7 @@ def test_a_network_that_is_not_there_is_tried_again(heard: Ears) -> None:
 def test_an_address_of_no_interface_is_reported_with_the_existing_interfaces(heard: Ears) -> None:
     dds = Dds(DOMAIN, interface="192.0.2.1")
     dds.open(heard)
-    wait_for(lambda: heard.lost, "it is told")
+    wait_for(lambda: heard.lost, "it is reported")
     dds.close()
     assert heard.lost[0].startswith("this machine has no network interface '192.0.2.1'; there are ")
 
@@ -788,7 +788,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     monkeypatch.setattr(_dds_session, "ALONE", 0.5)
     dds = Dds(DOMAIN, interface="lo")
     dds.open(heard)
-    wait_for(lambda: heard.nobody or heard.topics is not None, "it is told")
+    wait_for(lambda: heard.nobody or heard.topics is not None, "it is reported")
     first = 7400 + 250 * DOMAIN
     assert heard.nobody == (
         f"no robot in domain {DOMAIN}. Is {DOMAIN} the robot's ROS_DOMAIN_ID? Does a firewall block the UDP ports "
@@ -800,7 +800,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     assert heard.nobody == ""
     robot.kill()
     wait_for(lambda: heard.topics == [], "it is gone")
-    assert heard.nobody == "", "whoever was there once has the right settings"
+    assert heard.nobody == "", "a known subscriber has the right settings"
     dds.close()
 
 
@@ -855,7 +855,7 @@ def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(robot:
                 guard.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
                 assert robot.heard()["linear"]["x"] == 0.25
                 if is_other:
-                    wait_for(lambda: told in feed.drive_status, "it is told")
+                    wait_for(lambda: told in feed.drive_status, "it is reported")
                 else:  # a writer that is created later is discovered later
                     robot.do("write", "/after", "Twist", 0.5)
                     wait_for(lambda: any(topic.name == "/after" for topic in feed.topics), "a later one is known")
@@ -958,7 +958,7 @@ def test_what_does_not_fit_into_the_queue_is_counted(
         assert robot.heard() == "written"
         go_on.set()
         if full == "_DEEPEST":  # the number that DDS itself replaced is unknown
-            wait_for(lambda: heard.missed["/scan"] >= 1, "it is told")
+            wait_for(lambda: heard.missed["/scan"] >= 1, "it is reported")
             return
         wait_for(lambda: heard.missed["/scan"] >= 30, "the rest is counted")
         wait_for(lambda: len(heard.replaced) - before + heard.missed["/scan"] >= 50, "all are accounted for")

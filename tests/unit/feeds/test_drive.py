@@ -368,7 +368,7 @@ def test_a_zero_into_a_dead_connection_is_sent_again_when_it_is_back(driven: Dri
     feed, script = driven(CMD_VEL, hold=0.2)
     feed.drive(0.3, 0.0)
     script.deaf = True
-    wait_for(lambda: script.unheard and _driving_threads() == [], "zero went out, and nobody heard it")
+    wait_for(lambda: script.unheard and _driving_threads() == [], "zero was sent, and no node received it")
     script.listener.on_lost("the robot did not answer for 10 s", 1.0)
     script.deaf = False
     script.listener.on_connected()
@@ -778,7 +778,7 @@ def test_a_driven_topic_is_driven_on_even_if_others_get_subscribers(driven: Driv
         feed.drive(0.1)
         wait_for(
             lambda script=script, other=other: script.sent[-1][0] == other.name,  # type: ignore[misc]
-            "other settings choose anew",
+            "other settings choose again",
         )
 
 
@@ -882,7 +882,7 @@ def test_a_hand_on_a_pad_outranks_a_program_which_gets_an_error(driven: Driven) 
     )
     assert feed.drive_status == "5 m/s is cut to 0.5"
     feed.watchdog.let_go("press")
-    wait_for(lambda: feed.drive_status == "", "what was said of the hand's speed ends with it")
+    wait_for(lambda: feed.drive_status == "", "what was reported of the hand's speed ends with it")
     with pytest.raises(FeedError, match="cannot drive: the press on the pad is over"):
         feed.driver.drive_by_hand(Velocity(0.1), "press")
     feed.drive(0.2)

@@ -51,7 +51,7 @@ def test_it_is_judged_on_each_message_of_its_topics(feed: Feed, script: Scripted
     assert moment.messages["/imu"] == imu(13.0)
     script.listener.on_message("/imu", imu(11.0))
     watch.wait(240, value=False)
-    assert [change.value for change in watch.changes] == [False]  # the first verdict is no change
+    assert [change.value for change in watch.changes] == [False]  # the first verdict is not a change
     assert watch.verdict.text == "11.00 ≤ 12.00 m/s²"
 
 

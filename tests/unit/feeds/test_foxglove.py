@@ -145,7 +145,7 @@ def test_messages_of_ros_1_and_of_json_are_read(ears: Ears) -> None:
 def test_a_topic_may_come_later_and_go(real: Real, ears: Ears) -> None:
     middleware = opened(real.address, ears, "/late")
     try:
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         late = real.channel("/late", SCAN, definition())
         wait_for(lambda: late.log(cdr()) or ears.of("/late"), "a message came")
         assert {advert.name for advert in ears.topics or ()} == {"/scan", "/late"}
@@ -175,7 +175,7 @@ def test_after_unsubscribing_nothing_comes_any_more(real: Real, ears: Ears) -> N
 def test_a_server_without_topics_says_so(ears: Ears) -> None:
     with OldFoxglove([]) as server:
         middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics == [], "there is none")
+        wait_for(lambda: ears.topics == [], "no topic is there")
         middleware.close()
 
 
@@ -191,7 +191,7 @@ def test_publishers_and_subscribers_are_reported_without_counting_the_bridge(ear
             Advert("/scan", SCAN, True, False, ("/lidar",), ()),
             Advert("/cmd_vel", "", False, True, (), ("/base",)),
         ]
-        wait_for(lambda: real.server.publish_connection_graph(graph) or ears.topics == told, "it was told")
+        wait_for(lambda: real.server.publish_connection_graph(graph) or ears.topics == told, "it was reported")
     finally:
         middleware.close()
         real.server.stop()
@@ -245,7 +245,7 @@ def test_a_refused_connection_is_reported_and_tried_again_ever_more_rarely(ears:
 def test_a_truncated_message_is_reported_until_a_whole_one_comes(real: Real, ears: Ears) -> None:
     middleware = opened(real.address, ears, "/scan")
     try:
-        wait_for(lambda: real.scan.log(cdr()[:40]) or ears.troubles.get("/scan"), "the trouble was told")
+        wait_for(lambda: real.scan.log(cdr()[:40]) or ears.troubles.get("/scan"), "the trouble was reported")
         assert ears.troubles["/scan"].startswith(
             f"a message of /scan cannot be read: 40 bytes are not a valid {SCAN}: "
         )
@@ -277,7 +277,7 @@ def test_a_truncated_message_is_reported_until_a_whole_one_comes(real: Real, ear
 def test_what_cannot_be_read_is_not_asked_for_and_named(offer: dict[str, str], words: str, ears: Ears) -> None:
     with OldFoxglove([channel(1, **offer)]) as server:
         middleware = opened(server.address, ears, "/scan")
-        wait_for(lambda: ears.troubles.get("/scan"), "it was told")
+        wait_for(lambda: ears.troubles.get("/scan"), "it was reported")
         middleware.close()
         assert ears.troubles["/scan"] == words
         assert server.subscribed == {}
@@ -288,9 +288,9 @@ def test_invalid_json_and_json_without_an_object_are_named(ears: Ears) -> None:
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
         server.log(1, b"{")
-        wait_for(lambda: "that are not JSON: " in ears.troubles.get("/scan", ""), "it was told")
+        wait_for(lambda: "that are not JSON: " in ears.troubles.get("/scan", ""), "it was reported")
         server.log(1, b"[1]")
-        wait_for(lambda: "expected a JSON object, got '[1]'" in ears.troubles["/scan"], "it was told, too")
+        wait_for(lambda: "expected a JSON object, got '[1]'" in ears.troubles["/scan"], "it was reported, too")
         middleware.close()
 
 
@@ -328,7 +328,7 @@ def test_two_types_on_one_topic_are_reported_as_two(ears: Ears) -> None:
     with OldFoxglove([channel(1), channel(2, kind=TWIST)]) as server:
         middleware = opened(server.address, ears)
         told = [Advert("/scan", SCAN), Advert("/scan", TWIST)]
-        wait_for(lambda: ears.topics == told, "both were told")
+        wait_for(lambda: ears.topics == told, "both were reported")
         middleware.close()
 
 
@@ -415,7 +415,7 @@ def test_a_speed_is_published_in_what_the_robot_takes(encoding: str, ears: Ears)
     real = Real(capabilities=[Capability.ClientPublish], supported_encodings=["?", encoding], server_listener=taken)
     middleware = opened(real.address, ears)
     try:
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
         middleware.close()
         wait_for(lambda: taken.payloads, "it came")
@@ -540,7 +540,7 @@ def _speeds(server: OldFoxglove) -> list[float]:
 def test_a_robot_that_takes_no_messages_is_an_error(info: dict[str, Any], words: str, ears: Ears) -> None:
     with OldFoxglove([channel(1)], **info) as server:
         middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         with pytest.raises(FeedError, match=words):
             middleware.publish("/cmd_vel", TWIST, {})
         middleware.close()
@@ -585,7 +585,7 @@ def test_a_message_of_the_robot_about_a_topic_is_reported_for_that_topic(ears: E
         wait_for(lambda: len(server.subscribed) == 2, "it subscribed")
         server.send({"op": "status", "level": 1, "message": "/scan is slow"})
         server.send({"op": "status", "level": 2, "message": "no\npublisher of /scan_2"})
-        wait_for(lambda: ears.said, "it was told")
+        wait_for(lambda: ears.said, "it was reported")
         middleware.close()
     assert ears.troubles == {"/scan_2": "the robot's bridge reports: no publisher of /scan_2"}
 
@@ -607,7 +607,7 @@ def test_a_rosbridge_at_the_port_is_reported_with_the_feed_for_it(ears: Ears) ->
         with Rosbridge({}, rosapi=rosapi) as server:
             middleware = Foxglove(server.address)
             middleware.open(ears)
-            wait_for(lambda: ears.lost, "it is told")
+            wait_for(lambda: ears.lost, "it is reported")
             middleware.close()
         assert ears.lost[0] == f"a rosbridge listens there: use feeds.rosbridge({server.address!r})"
         ears.lost.clear()
@@ -634,7 +634,7 @@ def test_what_does_not_fit_into_the_queue_is_counted_and_the_rest_comes_in_order
         middleware.follow(frozenset({"/scan"}), frozenset({"/scan"}))
         wait_for(lambda: server.subscribed, "it subscribed")
         frames = [struct.pack("<BIQ", 1, server.subscribed[1], 0) + cdr(distance=float(i)) for i in range(50)]
-        # In the loop of the connection, where they pile up before it decodes them.
+        # In the loop of the connection: they pile up before it decodes them.
         middleware._socket.call_soon(lambda: [middleware.on_frame(frame) for frame in frames] and middleware.deliver())
         wait_for(lambda: ears.messages, "the newest came")
         middleware.close()

@@ -1,4 +1,4 @@
-"""Functions that are connected to topics: their arguments, and the handling of those that sleep, hang and raise."""
+"""Functions that are connected to topics: their arguments, and functions that sleep, hang or raise."""
 
 from __future__ import annotations
 
@@ -341,7 +341,7 @@ def test_a_cell_that_is_run_again_replaces_all_that_it_connected(
     feed.connect("/scan", lambda _: got.append("three"), lambda _: got.append("four"))
     script.listener.on_message("/odom", twist(0.1))
     script.listener.on_message("/scan", scan())
-    wait_for(lambda: got == ["three", "four"], "those of the newest run are called")
+    wait_for(lambda: got == ["three", "four"], "functions of the newest run are called")
     assert script.asked[-1] == ("unsubscribe", "/odom")
 
 
@@ -489,7 +489,7 @@ class TestScans:
         loop = {"scans": lambda: next(feed.scans("/scna")), "wait": lambda: laser.wait(240.0)}[how]
         thread = threading.Thread(target=lambda: got.append(loop()))
         thread.start()
-        wait_for(lambda: caplog.records, "it is told")
+        wait_for(lambda: caplog.records, "it is reported")
         assert thread.is_alive()
         (record,) = caplog.records
         assert "no such topic /scna; there are /scan, /odom; did you mean /scan?; waiting for " in record.message

@@ -404,7 +404,7 @@ def shown_by(feed: feeds.Feed) -> list[float]:
     shown: list[float] = []
     feed.connection.attach("/cmd_vel", lambda speed: shown.append(speed.linear[0]))
     # Until it is known that no other node publishes them, they would come through the robot.
-    wait_for(lambda: [one.offered for one in feed.connection.adverts] == [False], "the publishers are told")
+    wait_for(lambda: [one.offered for one in feed.connection.adverts] == [False], "the publishers are known")
     return shown
 
 
@@ -469,7 +469,7 @@ def test_a_guard_that_dies_is_reported_the_kernel_sends_zero_and_another_one_dri
     pid = guard.pid
     os.kill(pid, signal.SIGKILL)
     wait_for_speeds(robot, 0.3, 0.0)
-    wait_for(lambda: "the guard that sends speeds has ended (code -9)" in caplog.text, "it is told")
+    wait_for(lambda: "the guard that sends speeds has ended (code -9)" in caplog.text, "it is reported")
     feed.drive(0.2)
     assert guard.pid not in (0, pid)
     feed.stop()
@@ -694,7 +694,7 @@ def test_a_damaged_message_ends_a_guard_with_zero(
     with guard._lock:
         guard._write(b"\x00" * 100)
     wait_for_speeds(robot, 0.3, 0.0)
-    wait_for(lambda: "a message is not known" in caplog.text, "it is told")
+    wait_for(lambda: "a message is not known" in caplog.text, "it is reported")
 
 
 @pytest.mark.slow
@@ -731,7 +731,7 @@ def test_a_step_that_held_the_gil_says_that_the_guard_stopped_the_robot_and_so_d
     wait_for(lambda: "the kernel was silent for " in feed.drive_status, "the feed says so")
     assert feed.drive_status.endswith("the guard stopped the robot meanwhile")
     wait_for_speeds(robot, 0.3, 0.0)
-    wait_for(lambda: not feed.stop() and not feed.drive_status, "it has told it")
+    wait_for(lambda: not feed.stop() and not feed.drive_status, "it has reported it")
 
 
 @pytest.mark.slow

@@ -129,7 +129,7 @@ def test_two_views_of_a_list_each_have_what_they_show(script: Scripted, page: Lo
     assert page.says("/temperature")["value"] == "21.5"
     look("other")
     clock.advance(UPDATE_PERIOD_S)
-    assert page.says("/temperature")["value"] == "21.5", "also where the other is scrolled away"
+    assert page.says("/temperature")["value"] == "21.5", "also if the other is scrolled out of view"
     look("one", "/scan")
     clock.advance(UPDATE_PERIOD_S)
     assert page.says("/temperature") == {"value": None}
@@ -144,7 +144,7 @@ def test_two_views_of_a_list_each_have_what_they_show(script: Scripted, page: Lo
     clock.advance(SEEN_FOR / 2)
     look("other", "/scan")
     clock.advance(UPDATE_PERIOD_S)
-    assert page.says("/temperature") == {"value": None}, "a page that is gone looks no longer"
+    assert page.says("/temperature") == {"value": None}, "a closed page no longer looks"
 
 
 def test_large_topics_are_glanced_at_one_after_the_other_for_a_few_messages(

@@ -65,7 +65,7 @@ def test_in_a_loop_it_starts_again() -> None:
     stamps: list[int | None] = []
     with feeds.recording(SAMPLE, speed=300, loop=True) as feed:
         feed.connect("/scan", lambda scan: stamps.append(scan.stamp_ns))
-        wait_for(lambda: any(b < a for a, b in pairwise(stamps)), "it starts anew")  # type: ignore[operator]
+        wait_for(lambda: any(b < a for a, b in pairwise(stamps)), "it restarts")  # type: ignore[operator]
 
 
 def test_topics_that_are_connected_later_join_at_the_same_time(clock: ManualClock) -> None:
@@ -102,7 +102,7 @@ def test_a_topic_that_no_widget_shows_comes_as_messages_in_its_place_among_the_o
 def test_a_topic_that_cannot_be_read_says_why(tmp_path: Path) -> None:
     with feeds.recording(unknown_recording(tmp_path / "x")) as feed:
         feed.connect("/status", lambda _: None)
-        wait_for(lambda: "cannot be read" in feed.connection.status_of("/status"), "it is said")
+        wait_for(lambda: "cannot be read" in feed.connection.status_of("/status"), "it is reported")
         assert "my_msgs" in feed.connection.status_of("/status")
 
 

@@ -156,7 +156,7 @@ def test_topics_tell_what_others_publish_and_listen_to(ros2: Ros2, graph: Graph,
         Advert("/cmd_vel", TWIST, False, True, (), ("/robot/base",)),
         Advert("/scan", SCAN, True, False, ("/robot",), ()),
     ]
-    wait_for(lambda: heard.topics == expected, "the topics are told")
+    wait_for(lambda: heard.topics == expected, "the topics are reported")
     assert graph.contexts[0].domain_id == 7
     assert ros2.where == "ROS 2, domain 7"
 
@@ -170,7 +170,7 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     offer(graph, "/rosout", "rcl_interfaces/msg/Log")  # as every node has, also a program on this machine
     ros2 = Ros2(domain_id=7)
     ros2.open(heard)
-    wait_for(lambda: heard.nobody or heard.topics is not None, "it is told")
+    wait_for(lambda: heard.nobody or heard.topics is not None, "it is reported")
     assert heard.nobody == (
         "no robot in domain 7. Is 7 the robot's ROS_DOMAIN_ID? Does a firewall block the UDP ports 9150 to 9399? "
         "Do both sides have the same RMW_IMPLEMENTATION? Does one have ROS_LOCALHOST_ONLY or "
@@ -183,8 +183,8 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     wait_for(lambda: len(heard.topics or ()) == 1, "it is gone")
     graph.interrupt()
     wait_for(lambda: heard.connected == 2, "another session has begun")
-    wait_for(lambda: ros2._session and ros2._session.age > 0.5, "that has had time to find somebody")
-    assert heard.nobody == "", "whoever was there once has the right settings"
+    wait_for(lambda: ros2._session and ros2._session.age > 0.5, "after time for discovery")
+    assert heard.nobody == "", "a known subscriber has the right settings"
     ros2.close()
 
 
@@ -206,7 +206,7 @@ def test_a_topic_without_a_publisher_left_is_not_offered(ros2: Ros2, graph: Grap
         subscribed(ros2, graph, topic)
     lonely.node.destroy_node()
     shared.node.destroy_node()
-    wait_for(lambda: heard.topics == [Advert("/shared", SCAN, False, True, (), ("/viewer",))], "it is told")
+    wait_for(lambda: heard.topics == [Advert("/shared", SCAN, False, True, (), ("/viewer",))], "it is reported")
     assert heard.lost == []
 
 
@@ -228,7 +228,7 @@ def test_a_topic_whose_name_ros_refuses_stops_nothing(ros2: Ros2, graph: Graph, 
     offer(graph, "/scan", SCAN)
     ros2.follow(frozenset({"/my scan"}))
     subscribed(ros2, graph, "/scan")
-    wait_for(lambda: [advert.name for advert in heard.topics or ()] == ["/scan"], "the others are told")
+    wait_for(lambda: [advert.name for advert in heard.topics or ()] == ["/scan"], "the others are reported")
     assert heard.lost == []
 
 
@@ -276,7 +276,7 @@ def test_a_refusal_is_reported_and_gone_with_the_next_message(ros2: Ros2, graph:
     publisher = offer(graph, "/scan", SCAN, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
     subscribed(ros2, graph, "/scan")
     refused = offer(graph, "/scan", SCAN)
-    wait_for(lambda: heard.troubles, "it is told")
+    wait_for(lambda: heard.troubles, "it is reported")
     assert heard.words("/scan") == (
         "a publisher of /scan keeps no earlier messages (durability), so its messages do not come"
     )
@@ -293,7 +293,7 @@ def test_a_truncated_message_is_reported_until_a_whole_one_comes_and_delays_no_o
     subscribed(ros2, graph, "/other")
     first = subscribed(ros2, graph, "/scan")
     first.receive(b"half a scan")
-    wait_for(lambda: heard.troubles, "it is told")
+    wait_for(lambda: heard.troubles, "it is reported")
     assert heard.words("/scan") == (
         "a message of /scan cannot be read: failed to take message from subscription: error not set"
     )
@@ -351,7 +351,7 @@ def test_a_package_that_is_not_installed_is_named(ros2: Ros2, graph: Graph, hear
     known.name = "x_msgs/msg/Bump"
     graph.node().create_publisher(known, "/bump", 1)
     ros2.follow(frozenset({"/bump"}))
-    wait_for(lambda: heard.troubles, "it is said")
+    wait_for(lambda: heard.troubles, "it is reported")
     assert heard.words("/bump") == (
         "/bump comes as x_msgs/msg/Bump: the package x_msgs is not installed here, or lacks it; install "
         "ros-<distro>-x-msgs, or source the workspace that has it, and restart the kernel"
@@ -364,7 +364,7 @@ def test_a_package_that_is_half_installed_is_trouble_of_its_topic_alone(ros2: Ro
     offer(graph, "/scan", SCAN)
     ros2.follow(frozenset({"/speed"}))
     subscribed(ros2, graph, "/scan")
-    wait_for(lambda: heard.troubles, "it is told")
+    wait_for(lambda: heard.troubles, "it is reported")
     assert heard.words("/speed") == f"/speed cannot be subscribed to as {TWIST}: no type support of {TWIST}"
     assert heard.lost == []
 
@@ -505,7 +505,7 @@ def test_without_a_connection_nothing_is_published_and_nothing_kept(
         refusing.setattr(sys.modules["rclpy"], "init", refuse)
         ros2 = Ros2(domain_id=7)
         ros2.open(heard)
-        wait_for(lambda: heard.lost, "it is told")
+        wait_for(lambda: heard.lost, "it is reported")
         with pytest.raises(FeedError, match="ROS 2, domain 7 cannot be used: failed to initialize rcl: no network"):
             ros2.publish("/cmd_vel", TWIST, FORWARD)
     with Robot(graph) as robot:
@@ -528,7 +528,7 @@ def test_a_listener_that_refuses_our_quality_of_service_is_reported_until_it_is_
         lambda _message: None,
         QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL),
     )
-    wait_for(lambda: heard.unheard, "it is told")
+    wait_for(lambda: heard.unheard, "it is reported")
     words = "a subscriber of /cmd_vel expects earlier messages (durability), so it receives nothing"
     assert heard.unheard == {"/cmd_vel": words}
     offer(graph, "/scan", SCAN)
@@ -596,7 +596,7 @@ def test_two_feeds_have_nodes_of_different_names(graph: Graph) -> None:
         ros2.close()
 
 
-def test_what_is_ours_is_shut_down_in_order_and_leaves_no_thread(ros2: Ros2, graph: Graph, heard: Ears) -> None:
+def test_our_node_and_context_are_shut_down_in_order_and_leave_no_thread(ros2: Ros2, graph: Graph, heard: Ears) -> None:
     wait_for(lambda: heard.connected, "it is connected")
     ros2.close()
     ros2.close()
@@ -860,7 +860,7 @@ def test_of_a_node_only_the_domain_is_used(graph: Graph, heard: Ears) -> None:
     ros2.open(heard)
     subscribed(ros2, graph, "/scan")
     publisher.publish(get_message(SCAN)())
-    wait_for(lambda: heard.messages, "it came, though nobody spins the node")
+    wait_for(lambda: heard.messages, "it came, though no executor spins the node")
     assert ros2.where == "ROS 2, domain 7"
     assert (node.executor, node.subscriptions, node.publishers) == (None, [], [])
     ros2.close()

@@ -133,7 +133,7 @@ def test_a_listener_that_refuses_our_quality_of_service_is_reported(ros2: Ros2, 
     picky = robot.create_subscription(Twist, "/cmd_vel", print, qos)
     wait_for(lambda: heard.topics, "the topic is known")
     ros2.publish("/cmd_vel", "geometry_msgs/msg/Twist", {})
-    wait_for(lambda: "expects earlier messages" in heard.words("/cmd_vel"), "it is told")
+    wait_for(lambda: "expects earlier messages" in heard.words("/cmd_vel"), "it is reported")
     robot.destroy_subscription(picky)
     wait_for(lambda: heard.words("/cmd_vel") == "", "it is over")
 

@@ -78,7 +78,7 @@ def test_a_scan_in_cbor_keeps_nan_and_both_infinities(ears: Ears) -> None:
         wait_for(lambda: server.subscribed, "it subscribed")
         server.publish("/scan", scan(1.5, np.nan, np.inf, -np.inf))
         wait_for(lambda: ears.messages, "it came")
-        wait_for(lambda: ears.topics == [Advert("/scan", SCAN, True, None, ("/driver",))], "its publisher was told")
+        wait_for(lambda: ears.topics == [Advert("/scan", SCAN, True, None, ("/driver",))], "its publisher was reported")
         middleware.close()
         asked = server.heard_op("subscribe")[0]
     assert {name: asked[name] for name in ("topic", "queue_length", "throttle_rate", "compression")} == {
@@ -128,7 +128,7 @@ def test_every_event_of_a_bumper_is_asked_for_and_handed_on(ears: Ears, quick: N
 def test_types_of_ros_1_are_reported_as_types_of_ros_2(ears: Ears) -> None:
     with Server({"/scan": "sensor_msgs/LaserScan"}) as server:
         middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics == [Advert("/scan", SCAN)], "it was told")
+        wait_for(lambda: ears.topics == [Advert("/scan", SCAN)], "it was reported")
         middleware.close()
 
 
@@ -142,7 +142,7 @@ def test_subscribers_and_publishers_are_reported_without_counting_the_bridge(ear
             Advert("/drive", TWIST, False, False, (), ()),
             Advert("/scan", SCAN, False, None),
         ]
-        wait_for(lambda: ears.topics == told, "it was told")
+        wait_for(lambda: ears.topics == told, "it was reported")
         middleware.close()
 
 
@@ -171,12 +171,12 @@ def test_while_all_nodes_are_asked_for_each_topic_has_its_turn_and_no_node_is_as
         server.publishers = {name: [f"/from{name}"] for name in names}
         server.listeners = {name: [f"/to{name}", "/rosbridge_websocket"] for name in names}
         middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics == [Advert(name, SCAN) for name in names], "the topics are told without nodes")
+        wait_for(lambda: ears.topics == [Advert(name, SCAN) for name in names], "the topics are reported without nodes")
         middleware.ask_for_nodes(True)
         named = [Advert(name, SCAN, True, True, (f"/from{name}",), (f"/to{name}",)) for name in names]
-        wait_for(lambda: ears.topics == named, "all nodes are told")
+        wait_for(lambda: ears.topics == named, "all nodes are reported")
         server.listeners["/topic_4"] = []
-        wait_for(lambda: ears.topics and ears.topics[4].subscribers == (), "a change is told in the next round")
+        wait_for(lambda: ears.topics and ears.topics[4].subscribers == (), "a change is reported in the next round")
         middleware.ask_for_nodes(False)
         wait_for(lambda: not middleware._requests, "what was asked is answered")
         services = [said["service"] for said in server.heard_op("call_service")]
@@ -210,16 +210,16 @@ def test_a_topic_may_come_after_it_was_connected_and_change_its_type(
 ) -> None:
     with Server({}) as server:
         middleware = opened(server.address, ears, "/scan")
-        wait_for(lambda: ears.topics == [], "there is none yet")
+        wait_for(lambda: ears.topics == [], "no topic is there yet")
         server.topics = {"/scan": kinds[0]}
         wait_for(lambda: "/scan" in server.subscribed, "it subscribed")
         assert server.subscribed["/scan"]["type"] == kinds[0]
         server.publish("/scan", scan(1.0))
         wait_for(lambda: ears.messages, "a message came")
         server.topics = {"/scan": kinds[1]}
-        wait_for(lambda: server.subscribed.get("/scan", {}).get("type") == kinds[1], "it subscribed anew")
+        wait_for(lambda: server.subscribed.get("/scan", {}).get("type") == kinds[1], "it subscribed again")
         assert server.heard_op("unsubscribe")[0]["topic"] == "/scan"
-        wait_for(lambda: [topic.type for topic in ears.topics or ()] == [TWIST], "the new type was told")
+        wait_for(lambda: [topic.type for topic in ears.topics or ()] == [TWIST], "the new type was reported")
         middleware.close()
     assert ears.said == []
 
@@ -228,7 +228,7 @@ def test_without_rosapi_topics_are_heard_and_the_lack_is_reported(ears: Ears, qu
     with Server({}, rosapi=False) as server:
         middleware = opened(server.address, ears, "/scan")
         words = "waiting for /scan; the list of topics is unknown, because the robot runs no rosapi"
-        wait_for(lambda: words in ears.said, "it was told")
+        wait_for(lambda: words in ears.said, "it was reported")
         server.topics = {"/scan": SCAN}
         wait_for(lambda: "/scan" in server.subscribed, "it asked again until it was there")
         server.publish("/scan", scan(1.0))
@@ -302,7 +302,7 @@ def test_a_message_that_is_too_large_and_names_no_topic_is_skipped_in_words(ears
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
         server.send(b"\0" * 60_000_000)
-        wait_for(lambda: ears.said, "it is told")
+        wait_for(lambda: ears.said, "it is reported")
         assert ears.said == ["skipped a message of 60 MB, which is larger than 50 MB"]
         server.publish("/scan", scan(1.0))
         wait_for(lambda: ears.messages, "a scan came")
@@ -330,7 +330,7 @@ def test_what_cannot_be_read_is_reported_until_something_can(frame: Any, words: 
         middleware = opened(server.address, ears, "/scan")
         wait_for(lambda: server.subscribed, "it subscribed")
         server.send(frame)
-        wait_for(lambda: ears.said, "it was told")
+        wait_for(lambda: ears.said, "it was reported")
         assert words in ears.troubles["/scan"]
         server.publish("/scan", scan(1.0))
         wait_for(lambda: ears.messages, "a message came")
@@ -367,7 +367,7 @@ def test_unrequested_binary_data_is_reported(ears: Ears, in_json: None) -> None:
         wait_for(lambda: server.subscribed, "it subscribed")
         server.send(b"\xa0")
         words = "unrequested binary data came, and reading it needs cbor2"
-        wait_for(lambda: words in ears.troubles.get("/scan", ""), "it was told")
+        wait_for(lambda: words in ears.troubles.get("/scan", ""), "it was reported")
         middleware.close()
 
 
@@ -391,7 +391,7 @@ def test_a_speed_is_published_as_the_robots_ros_writes_it(
 ) -> None:
     with Server(types) as server:
         middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         speed = {"header": {"stamp": {"sec": 1, "nanosec": 2}}, "twist": {"linear": {"x": 0.25}}}
         middleware.publish("/cmd_vel", STAMPED, speed)
         middleware.close()  # messages published before are still sent
@@ -403,7 +403,7 @@ def test_a_speed_is_published_as_the_robots_ros_writes_it(
 def test_a_speed_after_a_lost_connection_is_written_as_before(ears: Ears) -> None:
     with Server({"/scan": "sensor_msgs/LaserScan"}) as server:
         middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         server.rosapi = False
         server.drop()
         wait_for(lambda: ears.connected == 2, "it is connected again")
@@ -420,7 +420,7 @@ def test_a_topic_that_rosbridge_cannot_publish_is_reported_though_it_reports_no_
         server.missing = {"geometry_msgs"}
         server.publishers = {"/cmd_vel": ["/teleop"]}
         middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
         wait_for(lambda: len(server.log) >= 2, "it is refused, and so is its publisher")
         assert not any(said.get("op") == "status" for said in server.heard)
@@ -429,7 +429,7 @@ def test_a_topic_that_rosbridge_cannot_publish_is_reported_though_it_reports_no_
             "rosbridge does not publish /cmd_vel, so no speed arrives: is the package geometry_msgs installed on the "
             "robot, and the topic a geometry_msgs/msg/Twist? The log of rosbridge says why"
         )
-        wait_for(lambda: ears.unheard.get("/cmd_vel") == words, "it is told")
+        wait_for(lambda: ears.unheard.get("/cmd_vel") == words, "it is reported")
         server.advertised["/cmd_vel"] = TWIST
         wait_for(lambda: ears.unheard["/cmd_vel"] == "", "it is mended")
         middleware.close()
@@ -447,7 +447,7 @@ def test_a_topic_that_rosbridge_publishes_is_not_a_problem_whatever_its_name(
             *([bridge] if server.advertised else []),
         ]
         middleware = opened(server.address, ears)
-        wait_for(lambda: middleware._publishers, "the publishers were told")
+        wait_for(lambda: middleware._publishers, "the publishers were reported")
         middleware.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
         wait_for(lambda: ears.unheard.get("/cmd_vel") == "", "it is looked at")
         asked = len(server.heard_op("call_service"))
@@ -521,7 +521,7 @@ def test_without_a_connection_publishing_is_an_error_and_nothing_is_kept(ears: E
 def test_closing_waits_until_the_robot_has_processed_a_zero_for_it_drops_its_queue_then(ears: Ears) -> None:
     with Server({"/scan": SCAN}, delay=0.02) as server:
         middleware = opened(server.address, ears, "/scan")
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         for speed in (0.1, 0.2, 0.3, 0.0):
             middleware.publish("/cmd_vel", TWIST, {"linear": {"x": speed}})
         middleware.close()
@@ -532,7 +532,7 @@ def test_closing_waits_until_the_robot_has_processed_a_zero_for_it_drops_its_que
 def test_closing_a_connection_that_published_nothing_asks_the_robot_nothing(ears: Ears) -> None:
     with Server({"/scan": SCAN}) as server:
         middleware = opened(server.address, ears)
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         middleware.close()
         wait_for(lambda: not server.clients, "the connection ended")
     assert server.log == []
@@ -551,7 +551,7 @@ def test_to_a_robot_that_falls_silent_publishing_a_zero_is_an_error_that_says_so
     with Server({"/cmd_vel": STAMPED}) as server:
         middleware = Rosbridge(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         publish()
         go_on = server.stall()
         publishing = clock.beside(publish)
@@ -561,7 +561,7 @@ def test_to_a_robot_that_falls_silent_publishing_a_zero_is_an_error_that_says_so
         go_on()
         publish()
         assert len(errors) == 1
-        wait_for(lambda: len(server.published) == 4, "all came, of which the first was repeated")
+        wait_for(lambda: len(server.published) == 4, "all came, and the first was repeated")
         closing = clock.beside(middleware.close)
         clock.advance(CLOSE_TIMEOUT)
         closing.join()
@@ -573,7 +573,7 @@ def test_closing_takes_half_a_second_where_the_robot_answers_no_question(ears: E
     with Server({"/scan": SCAN}) as server:
         middleware = Rosbridge(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: ears.topics, "the topics were told")
+        wait_for(lambda: ears.topics, "the topics were reported")
         server._call_service = lambda *_: None  # type: ignore[method-assign]
         middleware.publish("/cmd_vel", TWIST, {})
         closing = clock.beside(middleware.close)
@@ -601,9 +601,9 @@ def test_a_process_that_ends_while_it_drives_stops_the_robot(end: str) -> None:
     assert (speeds[0], speeds[-1]) == (0.25, 0.0)
 
 
-def test_a_feed_of_it_shows_what_is_there() -> None:
+def test_a_feed_of_it_shows_its_topics() -> None:
     with Server({"/scan": SCAN}) as server, rosbridge_feed(server.address) as feed:
-        wait_for(lambda: feed.topics, "the topics were told")
+        wait_for(lambda: feed.topics, "the topics were reported")
         assert [(topic.name, topic.widget) for topic in feed.topics] == [("/scan", "laser")]
 
 
@@ -616,7 +616,7 @@ def test_a_foxglove_server_at_the_port_is_reported_with_the_feed_for_it(ears: Ea
     address = f"ws://127.0.0.1:{server.port}"
     middleware = Rosbridge(address)
     middleware.open(ears)
-    wait_for(lambda: ears.lost, "it is told")
+    wait_for(lambda: ears.lost, "it is reported")
     middleware.close()
     server.stop()
     assert ears.lost[0] == f"a foxglove server listens there: use feeds.foxglove({address!r})"

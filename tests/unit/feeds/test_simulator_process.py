@@ -82,7 +82,7 @@ def test_a_reset_sets_its_odometry_back_too() -> None:
         assert robot.odometry.x > start.x + 0.05
         feed.reset()
         before = robot.time
-        wait_for(lambda: robot.time > before + 0.5, "it was told how the other one is")
+        wait_for(lambda: robot.time > before + 0.5, "the state of the other one was reported")
         assert robot.odometry == start
 
 
@@ -96,7 +96,7 @@ def test_a_guard_in_its_process_stops_it_while_a_call_holds_the_interpreter() ->
         before, place = robot.time, robot.pose.x
         hold_the_interpreter()
         wait_for(lambda: robot.time > before + 1.5, "its time has gone on meanwhile")
-        wait_for(lambda: "the guard stopped the robot meanwhile" in feed.drive_status, "it is told")
+        wait_for(lambda: "the guard stopped the robot meanwhile" in feed.drive_status, "it is reported")
         wait_for(lambda: robot.command().linear[0] == 0.0, "it stands")
         assert robot.pose.x - place < 0.3 * (robot.time - before) / 2
 

@@ -123,7 +123,7 @@ class TestStopAll:
         assert script.speeds[-1] == (0.0, 0.0)
         sent = len(script.speeds)
         go.run()
-        wait_for(lambda: (0.2, 0.0) in script.speeds[sent:], "it drives again when somebody runs it")
+        wait_for(lambda: (0.2, 0.0) in script.speeds[sent:], "it drives again when the user runs it")
 
     def test_a_feed_that_is_released_while_it_is_being_stopped_may_drive(
         self, opened: ExitStack, monkeypatch: pytest.MonkeyPatch

@@ -187,7 +187,7 @@ def test_a_function_that_raises_is_reported_with_its_line(script: Scripted, feed
 
     feed.connect("/scan", fails)
     script.listener.on_message("/scan", scan(0.9, 0.5))
-    wait_for(lambda: parts(wires, "function")[0].problem, "it is told")
+    wait_for(lambda: parts(wires, "function")[0].problem, "it is reported")
     assert "ValueError: no wall" in parts(wires, "function")[0].problem
 
 
@@ -246,7 +246,9 @@ def test_the_page_gets_all_of_it_in_a_frame_without_what_is_not_known(script: Sc
         found: dict[str, Any] = json.loads(page.state["_frame"][FRAME_HEADER.size :])
         return found
 
-    wait_for(lambda: "value" in told()["wires"][0] or script.listener.on_message("/scan", scan(0.9, 0.5)), "it is told")
+    wait_for(
+        lambda: "value" in told()["wires"][0] or script.listener.on_message("/scan", scan(0.9, 0.5)), "it is reported"
+    )
     first, speeds, *_ = told()["wires"]
     assert told()["nodes"] == ["/amcl", "/base", "/camera", "/lidar", "/slam"]
     assert (first["name"], first["from"], first["to"], first["value"]) == (
@@ -280,7 +282,7 @@ def test_a_page_says_that_it_looks_and_opens_the_messages_of_a_topic(script: Scr
         script.listener.on_message("/image", {"height": 480, "width": 640})
         return view.wires._wired.wiring.wires[2].value == "height 480, width 640"
 
-    wait_for(is_told, "it is told there, too")
+    wait_for(is_told, "it is reported there, too")
     for nonsense in ("/none", 3, None):
         widget._on_page(widget, {"open": nonsense, "look": nonsense}, [])
     widget._on_page(widget, "nonsense", [])
@@ -297,7 +299,7 @@ def test_a_page_says_that_it_looks_and_opens_the_messages_of_a_topic(script: Scr
 def test_a_closed_feed_ends_it_in_words(feed: Feed) -> None:
     widget = feed.wires().wires
     feed.close()
-    wait_for(lambda: widget._source["status"] == "the feed is closed", "it is told")
+    wait_for(lambda: widget._source["status"] == "the feed is closed", "it is reported")
     with pytest.raises(FeedError, match="is closed: open it again"):
         feed.wires()
     widget.close()
@@ -311,7 +313,7 @@ def test_a_feed_reports_that_it_is_closed_while_it_closes(feed: Feed, monkeypatc
     assert seen == ["the feed is closed"]
 
 
-def test_a_source_that_is_none_and_an_unknown_keyword_are_refused(feed: Feed) -> None:
+def test_an_invalid_source_and_an_unknown_keyword_are_refused(feed: Feed) -> None:
     with pytest.raises(TypeError, match=r"expected the source that feed\.wires\(\) or recording\.wires\(\) uses"):
         WiresWidget(feed)
     with pytest.raises(TypeError, match="did you mean 'infrastructure'"):

@@ -238,9 +238,7 @@ def test_a_sheet_has_the_earlier_labels_of_spans_and_the_labels_of_its_player(sh
     again.close()
 
 
-def test_a_page_of_hits_says_what_would_make_it_smaller_and_leaves_nothing_where_it_is_too_large(
-    hits: Hits, tmp_path: Path
-) -> None:
+def test_a_page_of_hits_that_is_too_large_is_not_written_and_the_error_has_a_remedy(hits: Hits, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"would take about .* take fewer hits .* or less around each"):
         hits[:2].to_html(tmp_path / "hits.html", max_size=10_000)
     with pytest.raises(ValueError, match="nothing was found"):

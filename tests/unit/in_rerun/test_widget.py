@@ -171,7 +171,7 @@ def test_answers_that_come_after_a_long_cell_are_not_news_either(
 def test_a_page_that_loads_gets_the_time_and_does_not_set_it(widget: RerunWidget) -> None:
     viewer = Viewer(widget)
     widget.time = 20.0
-    for _ in ("first", "and again, when it is loaded anew"):
+    for _ in ("first", "and again, when it is reloaded"):
         assert viewer.told == []
         viewer.opens()
         assert viewer.told == [20.0]

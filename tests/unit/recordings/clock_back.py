@@ -65,7 +65,7 @@ def db3(folder: Path, held: Sequence[Message]) -> Path:
 
 
 def bare_split(folder: Path, held: Sequence[Message]) -> Path:
-    """A folder of three databases without metadata, of which the second begins where a clock set back at 50 is."""
+    """A folder of three databases without metadata, the second of which begins where a clock set back at 50 is."""
     return _split(folder, held, StoragePlugin.SQLITE3).parent
 
 

@@ -30,7 +30,7 @@ def test_a_command_of_a_car_is_a_speed_ahead_and_a_steering_angle(message: dict[
     assert speed.stamp_ns == (7 if "drive" in message else None)
 
 
-def test_a_speed_without_an_angle_has_none() -> None:
+def test_a_speed_without_an_angle_has_no_steering() -> None:
     assert to_speed({"linear": dict.fromkeys("xyz", 0), "angular": dict.fromkeys("xyz", 0)}).steering is None
     with pytest.raises(TypeError, match="steering: expected"):
         Speed(steering="left")  # type: ignore[arg-type]

@@ -36,7 +36,7 @@ def write_bag(path: Path, after: bytes = b"\1\2\3\4") -> Path:
     return path
 
 
-def test_what_follows_the_last_field_in_a_bag_is_ignored_and_told_once(tmp_path: Path) -> None:
+def test_bytes_after_the_last_field_in_a_bag_are_ignored_and_reported_once(tmp_path: Path) -> None:
     with robowidgets.open(write_bag(tmp_path / "x.bag")) as recording:
         assert f"! /scan, /image: {IGNORED}" in recording.info()
         assert recording.scans().ranges.shape == (10, 21)
@@ -47,7 +47,7 @@ def test_what_follows_the_last_field_in_a_bag_is_ignored_and_told_once(tmp_path:
         assert [str(one) for one in recording.doctor().problems if IGNORED in str(one)]
 
 
-def test_what_follows_the_last_field_in_cdr_is_ignored_and_told(tmp_path: Path) -> None:
+def test_bytes_after_the_last_field_in_cdr_are_ignored_and_reported(tmp_path: Path) -> None:
     raw = encode("cdr", "sensor_msgs/msg/LaserScan", SCAN) + bytes(4)
     kind = ("sensor_msgs/msg/LaserScan", "ros2msg", text_of("sensor_msgs/msg/LaserScan"), "cdr")
     path = write_mcap(tmp_path / "x.mcap", {"/scan": kind}, [(i / 10, "/scan", raw) for i in range(10)])

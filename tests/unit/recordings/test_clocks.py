@@ -47,7 +47,7 @@ class TestSilences:
             "/a: nothing was recorded 2 times, first from 100.00 s on, for up to 100.00 s, or the clock jumped ahead",
         )
 
-    def test_of_less_than_a_minute_are_none(self, tmp_path: Path) -> None:
+    def test_shorter_than_a_minute_are_not_reported(self, tmp_path: Path) -> None:
         assert problems(tmp_path, a=[(100, 150)]) == ()
 
     def test_that_topics_share_are_reported_once(self, tmp_path: Path) -> None:

@@ -118,7 +118,7 @@ def test_every_touch_dialect_has_a_definition_here_or_in_rosbags() -> None:
     assert store(Stores.ROS2_HUMBLE).fielddefs.keys() >= TOUCH_TYPES
 
 
-def test_a_package_that_is_not_here_has_none() -> None:
+def test_an_unknown_package_has_no_definitions() -> None:
     assert definitions("sensor_msgs") == {}
     assert definitions("../messages") == {}
     assert definitions("NOTICE") == {}

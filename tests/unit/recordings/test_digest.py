@@ -15,7 +15,7 @@ TOLD = json.loads(DIGESTS.read_text())
 @pytest.mark.slow
 @pytest.mark.versions
 @pytest.mark.parametrize("name", TOLD)
-def test_a_real_recording_says_what_it_always_said(data: Path, name: str) -> None:
+def test_a_real_recording_gives_the_same_results_as_ever(data: Path, name: str) -> None:
     assert digest(data / name) == TOLD[name]
 
 

@@ -32,7 +32,7 @@ class TestATopicThatEndsHalfWay:
         recording = robowidgets.open(KINDS[kind](tmp_path, ends(topic, 200)))
         assert recording.problems == (f"{topic}: nothing after 19.90 s of 39.90 s",)
 
-    def test_is_not_told_of_one_that_ends_with_it(self, tmp_path: Path, kind: str) -> None:
+    def test_is_not_reported_for_one_that_ends_with_it(self, tmp_path: Path, kind: str) -> None:
         assert robowidgets.open(KINDS[kind](tmp_path, ends(SCAN, 351))).problems == ()
 
 
@@ -48,7 +48,7 @@ class TestATopicThatBeginsLate:
         assert [there.rate for there in recording.topics] == pytest.approx([10.0, 10.0])
         assert str(recording).splitlines()[2].split()[2:4] == [("140" if topic == SCAN else "400"), "10.0"]
 
-    def test_is_not_told_of_one_that_begins_with_it(self, tmp_path: Path, kind: str) -> None:
+    def test_is_not_reported_for_one_that_begins_with_it(self, tmp_path: Path, kind: str) -> None:
         assert robowidgets.open(KINDS[kind](tmp_path, part(SCAN, 49, 400))).problems == ()
 
 

@@ -23,7 +23,7 @@ def damaged(tmp_path: Path) -> Path:
     return cut
 
 
-def test_what_is_found_tells_what_was_wrong(damaged: Path) -> None:
+def test_the_result_of_a_search_reports_problems(damaged: Path) -> None:
     with robowidgets.open(damaged) as recording:
         spans = recording.find(conditions.nearest_below(0.5))
         (problem,) = spans.problems

@@ -173,7 +173,7 @@ def test_the_other_transforms_of_a_message_come_before_the_error_of_one() -> Non
         list(transforms_of({"transforms": [{"child_frame_id": "laser"}]}, "/tf", 7))
 
 
-def test_odometry_without_a_pose_is_left_out_and_told(tmp_path: Path) -> None:
+def test_odometry_without_a_pose_is_left_out_and_reported(tmp_path: Path) -> None:
     def odometry(x: float) -> dict[str, Any]:
         pose = {"position": {"x": x}, "orientation": {"w": 1.0}}
         return {"header": stamped(S, "odom"), "child_frame_id": "base_link", "pose": {"pose": pose}}

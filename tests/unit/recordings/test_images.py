@@ -22,7 +22,7 @@ HZ, COUNT = 10, 15
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A depth image at 10 Hz, of which one is cut off, and its calibration."""
+    """Depth images at 10 Hz, one of them cut off, and their calibration."""
     path = tmp_path_factory.mktemp("images") / "bag"
     store = get_typestore(Stores.ROS2_HUMBLE)
     types = store.types

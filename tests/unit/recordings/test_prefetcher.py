@@ -153,7 +153,7 @@ def test_what_is_stale_is_dropped_from_the_page() -> None:
         assert {*page.dropped[first], 900} == {*page.has[:first], 900}
 
 
-def test_at_the_end_of_what_is_looped_its_start_comes() -> None:
+def test_at_the_end_of_a_loop_its_start_follows() -> None:
     with sending(Track(), 1000) as (prefetcher, page):
         prefetcher.set_time(52.0, 1.0, (20.0, 54.0), loops=True)
         prefetcher.start()

@@ -21,7 +21,7 @@ def recording(tmp_path: Path) -> robowidgets.Recording:
     return robowidgets.open(sweeps.write(tmp_path / "x", sweeps.numbered(1200, rays=1000)))
 
 
-def test_what_is_quick_shows_no_bar(recording: robowidgets.Recording, capsys: pytest.CaptureFixture[str]) -> None:
+def test_quick_work_shows_no_bar(recording: robowidgets.Recording, capsys: pytest.CaptureFixture[str]) -> None:
     len(recording.scans())
     recording.find(conditions.nearest_below(1))
     assert capsys.readouterr().err == ""

@@ -112,7 +112,7 @@ class TestSamples:
             assert all(moment.topic for moment in read(recording))
             assert recording.problems == ("/odom: speeds of 2 frames: base_link, robot2/base_link",)
 
-    def test_that_cannot_be_shown_are_left_out_and_told(self, tmp_path: Path) -> None:
+    def test_that_cannot_be_shown_are_left_out_and_reported(self, tmp_path: Path) -> None:
         with open(robot.write(tmp_path / "bad", bad_scan_at=33)) as recording:
             assert recording.problems == ()
             for _ in range(2):

@@ -433,7 +433,7 @@ class TestTouches:
         assert int(pressed.sum()) == 13
         assert touches.seconds[pressed][0] == pytest.approx(21.96, abs=0.01)
 
-    def test_a_list_of_what_is_touched_releases_without_a_message(self, tmp_path: Path) -> None:
+    def test_a_list_of_touched_sensors_releases_without_a_message(self, tmp_path: Path) -> None:
         touched = {0.0: True, 0.1: True, 0.2: False, 2.0: True}
         touches = robowidgets.open(hazards.write(tmp_path / "x", touched)).touches()
         left = touches.labels.index("left")

@@ -111,7 +111,7 @@ def test_a_span_is_named_renamed_and_loses_its_name_on_the_page_which_hears_what
         player._on_page(player.bar, {"label": [door, None]}, [])
         player._on_page(player.bar, {"label": [moment, None]}, [])
         assert player.bar.labels == ((3.0, 4.5, "door"), (6.0, 6.001, "here"))
-        for name in ("door", "wall"):  # the same name again is no change
+        for name in ("door", "wall"):  # the same name again is not a change
             player._on_page(player.bar, {"label": [[3.0, 4.5, name], door]}, [])
             assert player.bar.labels[0] == (3.0, 4.5, name)
         player._on_page(player.bar, {"label": [None, [3.0, 4.5, "wall"]]}, [])
@@ -609,7 +609,7 @@ def test_settings_of_the_player_itself_are_sent_as_its_own(player: Player, monke
     assert sent == [{"tooltip": "a drive"}]
 
 
-def test_what_is_selected_to_be_played_is_selected_on_the_picture(player: Player) -> None:
+def test_the_selection_to_play_is_selected_on_the_picture(player: Player) -> None:
     assert player.scanogram is not None
     player.selection = (2, 3)
     assert player.scanogram.selection == (2.0, 3.0)

@@ -155,7 +155,7 @@ def test_a_broken_chunk_costs_no_other(tmp_path: Path, compression: str) -> None
 
 
 @pytest.mark.parametrize("compression", PACK)
-def test_a_chunk_that_differs_from_its_checksum_is_read_and_told(tmp_path: Path, compression: str) -> None:
+def test_a_chunk_that_differs_from_its_checksum_is_read_and_reported(tmp_path: Path, compression: str) -> None:
     held = messages(40)
     raw = mcap_messages(held)
     chunk = mcap_chunk(raw, compression, PACK[compression](raw), crc32(raw) ^ 1)
@@ -197,7 +197,7 @@ def test_a_hole_costs_the_messages_in_it_and_no_others(tmp_path: Path) -> None:
     assert len(source.problems) == 1
 
 
-def test_a_time_that_no_clock_has_is_left_out_and_told(tmp_path: Path) -> None:
+def test_a_time_that_no_clock_has_is_left_out_and_reported(tmp_path: Path) -> None:
     held = messages(9)
     late = [("/scan", 2**63, b"late")]
     source = open_repaired([write(tmp_path / "x.mcap", mcap_head(), mcap_messages(held + late), MCAP_END)])

@@ -35,7 +35,7 @@ def test_every_ray_of_a_coarser_scan_stands_where_its_angle_is() -> None:
     for count in (450, 455, 459, 230):
         of = sweep(0.0, 2 * pi / count, count)
         rays = rays_at(of, on)
-        assert set(rays.tolist()) == set(range(count)), "none is left out, and none is missing"
+        assert set(rays.tolist()) == set(range(count)), "no ray is left out, and none is missing"
         off = np.abs(rays * of.angle_increment - np.arange(460) * on.angle_increment)
         assert np.minimum(off, 2 * pi - off).max() <= of.angle_increment / 2 + 1e-9
         assert not keeps_indices(rays)

@@ -73,7 +73,7 @@ def test_a_page_gets_what_is_drawn_on_the_lasers_of_the_robot_until_its_time_is_
         sent: list[Any] = []
         view.comm.send = lambda data, **_: sent.append(data["state"])
         laser.draw("wall", None)
-        wait_for(lambda: any(state.get("_shapes") == [] for state in sent), "the page is told with a step")
+        wait_for(lambda: any(state.get("_shapes") == [] for state in sent), "the page gets it with a step")
         count = len(sent)
         wait_for(lambda: len(sent) > count + 3, "steps go on")
         assert not any("_shapes" in state for state in sent[count + 1 :])

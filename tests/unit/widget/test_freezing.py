@@ -119,7 +119,7 @@ class TestFreezing:
         assert widget._frozen_frame == b""
         assert page.sent("_frozen_frame") == [b""]
 
-    def test_a_new_view_finds_what_is_held(self, widget: NumberWidget) -> None:
+    def test_a_new_view_gets_the_held_sample(self, widget: NumberWidget) -> None:
         widget.update(1)
         widget.paused = True
         widget.update(2)
