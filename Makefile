@@ -89,19 +89,19 @@ test-unit: setup build
 # newest versions of all packages, the oldest the oldest that pyproject.toml allows.
 test-versions: test-oldest test-newest
 
-# Left out there: the slow tests and longest files of what needs no version of another package (`make test-unit` runs them),
-# what only reads code, DDS, whose oldest version is nearly the newest, and what stands for a browser.
-NOT_ON_THE_OLDEST := behaviors scanogram simulator feeds/test_dds.py test_layers.py test_locks.py test_names.py \
-  $(patsubst %,recordings/test_%.py,distances endings places scanogram show) \
-  $(patsubst tests/unit/%,%,$(wildcard tests/unit/recordings/test_find*.py)) $(patsubst %,repair/test_%.py,clock fuzz) \
-  $(patsubst %,test_%.py,distance drive_widget lesson_progress lessons map message_widget not_in_browser path_widget) \
-  $(patsubst %,test_%.py,plot_widget shapes sonar_ring to_html watch)
+# Left out on both: what needs no version of another package and of no Python in particular (`make test-unit` runs it).
+ON_NO_OTHER := scanogram simulator shapes path plots message lessons test_layers.py test_names.py repair/test_fuzz.py \
+  samples/test_distance.py sonar/test_sonar_ring.py $(patsubst %,recordings/test_%.py,distances endings places scanogram) \
+  $(patsubst tests/unit/%,%,$(wildcard tests/unit/recordings/test_find*.py))
+# Left out on the oldest besides: the longest files, DDS, whose oldest version is nearly the newest, and what stands for a browser.
+NOT_ON_THE_OLDEST := $(ON_NO_OTHER) behaviors feeds/test_dds.py runtime/test_locks.py recordings/test_show.py repair/test_clock.py \
+  driving/test_drive_widget.py notebook/test_not_in_browser.py screens/test_to_html.py widget/test_watch.py
 
 test-oldest: setup build
 	scripts/units_on.sh oldest 3.10 -m 'not slow or versions' $(addprefix --ignore tests/unit/,$(NOT_ON_THE_OLDEST))
 
 test-newest: setup build
-	scripts/units_on.sh newest "3.14 3.13" -m 'not slow or versions'
+	scripts/units_on.sh newest "3.14 3.13" -m 'not slow or versions' $(addprefix --ignore tests/unit/,$(ON_NO_OTHER))
 
 test-ros1: setup build
 	scripts/ros1.sh

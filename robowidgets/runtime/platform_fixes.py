@@ -1,8 +1,9 @@
 """Fixes for Python, Linux and other packages: each changes or bypasses code from outside this package.
 
 Each function is one fix, and its docstring says what is wrong, what the fix does and what happens without it. Its last
-lines name the versions that need it, with the issue or the code upstream. `tests/unit/test_platform_fixes.py` shows for
-each of these lines that an installed version goes wrong without the fix: that test fails when a version is cured.
+lines name the versions that need it, with the issue or the code upstream. For each of these lines,
+`tests/unit/runtime/test_platform_fixes.py` shows that an installed version goes wrong without the fix: the test fails
+when a version is cured.
 
 With ``ROBOWIDGETS_PLATFORM_FIXES=off`` in the environment of the kernel all fixes are off. Use it to find out if one of
 them causes a problem.

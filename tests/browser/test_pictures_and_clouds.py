@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
+from ..unit.cloud.test_cloud import cloud_message
 from ..unit.recordings.recorded import START_NS, stamped, write
-from ..unit.test_cloud import cloud_message
 from .chromium import shoot
 from .plain_page import PlainPage
 from .test_image_widget import place_of

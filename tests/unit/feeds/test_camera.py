@@ -17,7 +17,7 @@ from robowidgets.messages.encoding import encode
 
 from ... import camera_drive
 from ..clocks import ManualClock
-from ..test_cloud_widget import cloud_message
+from ..cloud.test_cloud_widget import cloud_message
 from ..waiting import wait_for
 from .fox import definition, serving
 

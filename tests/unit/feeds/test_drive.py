@@ -18,7 +18,7 @@ from robowidgets.feeds.middleware import NotConnectedYetError
 from robowidgets.runtime.clock import Clock, scheduler
 
 from ..clocks import ManualClock
-from ..test_drive_widget import Pad
+from ..driving.test_drive_widget import Pad
 from ..waiting import wait_for
 from .scripted import CMD_VEL, ODOM, SCAN, Scripted, twist
 

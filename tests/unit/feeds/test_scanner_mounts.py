@@ -17,7 +17,7 @@ from robowidgets.samples import Mount
 from robowidgets.simulator import Robot, Scanner, World
 
 from ..clocks import ManualClock
-from ..test_mounts import HANGING, LEFT, own_scan, tf
+from ..samples.test_mounts import HANGING, LEFT, own_scan, tf
 from ..waiting import wait_for
 from .fox import serving
 from .scripted import CMD_VEL, SCAN, Scripted

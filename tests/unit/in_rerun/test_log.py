@@ -21,8 +21,8 @@ from robowidgets.recording import Recording
 from robowidgets.recordings import RecordingError, UnknownTopicError
 from robowidgets.simulator import World
 
+from ..cloud.test_cloud import cloud_message, points_of
 from ..recordings.recorded import START_NS, stamped, write
-from ..test_cloud import cloud_message, points_of
 
 chunk = pytest.importorskip("rerun.chunk", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")
 

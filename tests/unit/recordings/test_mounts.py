@@ -16,7 +16,7 @@ from robowidgets.feeds import recording as play
 from robowidgets.messages.standard import scan_message
 
 from ... import camera_drive
-from ..test_mounts import HANGING, LEFT, own_scan, tf
+from ..samples.test_mounts import HANGING, LEFT, own_scan, tf
 from .recorded import START_NS, write
 
 SCAN, TF, ODOM = "sensor_msgs/msg/LaserScan", "tf2_msgs/msg/TFMessage", "nav_msgs/msg/Odometry"
