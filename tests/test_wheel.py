@@ -77,14 +77,6 @@ def test_the_wheel_holds_the_widgets_front_end(package: Path) -> None:
     assert {file.name for file in (package / "static").iterdir()} == FRONT_END
 
 
-def test_a_build_makes_sure_of_the_front_end_of_every_widget() -> None:
-    """Hatch takes names only: it would build a wheel without the front end of a widget that is not listed."""
-    ensured = re.search(r"ensured-targets = \[(.*?)\]", (ROOT / "pyproject.toml").read_text(), re.DOTALL)
-    assert ensured
-    named = re.findall(r'"robowidgets/static/(.+?)"', ensured[1])
-    assert sorted(named) == sorted(FRONT_END)
-
-
 def test_the_front_end_asks_the_web_for_nothing(package: Path) -> None:
     for file in (package / "static").iterdir():
         text = NAMES.sub("", file.read_text())
