@@ -17,7 +17,7 @@ import time
 import weakref
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 from uuid import UUID
@@ -454,7 +454,8 @@ def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
         for wait in ("_MATCHING", "_SETTLING"):  # messages that wait from now on wait too long
             monkeypatch.setattr(_dds_session, wait, 1000.0)
         feed.drive(0.25)
-        feed.stop()
+        with suppress(FeedError):  # a busy robot confirms late, which is reported
+            feed.stop()
         while robot.heard()["linear"]["x"]:
             pass
 

@@ -97,7 +97,7 @@ def test_a_silence_of_a_steady_topic_is_unknown_while_events_hold(tmp_path: Path
     ("condition", "error", "text"),
     [
         (field("/imu.linear_acceleration.w") > 1, UnknownFieldError, "did you mean 'linear_acceleration."),
-        (field("/imu.linear_acceleration") > 1, UnknownFieldError, "no single field but a message"),
+        (field("/imu.linear_acceleration") > 1, UnknownFieldError, "is not a single field but a message"),
         (field("/imx.linear_acceleration.x") > 1, UnknownTopicError, "did you mean '/imu'?"),
         (field("/imu.orientation_covariance") > 1, TypeError, "name one of its numbers"),
         (field("/joints.position") > 1, TypeError, "name one of its numbers"),
