@@ -55,6 +55,16 @@ class measured:
     moves = "outer -> other on never"
 robot.variables.go = False
 """
+SECTORS = """
+def measured(scan, variables):
+    at.append(time.thread_time())
+    front = scan.distance("front")
+    left, right = scan.distance("left"), scan.distance("right")
+    if front < 0.6 or left < 0.2:
+        return Drive(0.0, 0.0 if left > right else -0.0)
+    return Drive(0.0)
+"""
+NOTED = "assert lines.step.calls[0].notes.seen\n"
 EVENT = """
 scans = [next(robot.scans("/scan"))]
 def cpu():
@@ -82,6 +92,10 @@ class Found:
     machine: float
     watched: float
     """With a `MachineWidget`."""
+    sectors: float
+    """Of a step that asks for three distances."""
+    lines: float
+    """Of that step, with a `LinesWidget`."""
     event: float
     """The cost of the distance that the machine asks for, which is code of the user."""
 
@@ -109,6 +123,11 @@ def measured(versions: int = VERSIONS, steps: int = STEPS) -> Found:
         plain = kernel.run(PLAIN + measure)
         machine = kernel.run(MACHINE + measure)
         watched = kernel.run("widget = MachineWidget(robot)" + MACHINE + measure)
-        return Found(first, plain, machine, watched, kernel.run(EVENT))
+        kernel.run("widget.close()")
+        sectors = kernel.run(SECTORS + measure)
+        lines = kernel.run(
+            "from robowidgets import LinesWidget\nlines = LinesWidget(robot)" + SECTORS + measure + NOTED
+        )
+        return Found(first, plain, machine, watched, sectors, lines, kernel.run(EVENT))
     finally:
         kernel.close()

@@ -86,7 +86,9 @@ def stops(found: Iterable[Stopped]) -> str:
 def programs(found: Found) -> str:
     """Return milliseconds to the first step of a version, and per step."""
     heads = ["cell to first step, median", "p95", "a step", "with a machine", "and its widget", "its one distance"]
+    heads += ["a step of three sectors", "with the values of its lines"]
     values = [found.first_step_median, found.first_step_p95, found.plain, found.machine, found.watched, found.event]
+    values += [found.sectors, found.lines]
     return markdown(heads, [[f"{value:.3f}" for value in values]])
 
 

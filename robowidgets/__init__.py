@@ -60,12 +60,14 @@ if TYPE_CHECKING:
     from .fleet import drives, summary
     from .fleet import find as find
     from .fleet import index as index
+    from .lines_widget import LinesWidget
     from .machine_widget import MachineWidget
     from .program_widget import ProgramWidget
     from .recording import Recording
     from .recording import open as open
     from .recordings import RecordingError
     from .recordings.search import conditions
+    from .recordings.search.lines import decisions as decisions
     from .wires_widget import WiresWidget
 
 __version__ = "0.1.0"
@@ -90,6 +92,7 @@ __all__ = [
     "ImageWidget",
     "LaserWidget",
     "Line",
+    "LinesWidget",
     "MachineWidget",
     "MapGrid",
     "MessageWidget",
@@ -119,6 +122,7 @@ __all__ = [
     "WiresWidget",
     "compare",
     "conditions",
+    "decisions",
     "depth_scan",
     "drives",
     "feeds",
@@ -140,10 +144,12 @@ _RENAMED = {"Pose": Arrow}
 
 _LATER = {
     "CameraModel": ".camera",
+    "LinesWidget": ".lines_widget",
     "MachineWidget": ".machine_widget",
     "ProgramWidget": ".program_widget",
     "Recording": ".recording",
     "compare": "._compare",
+    "decisions": ".recordings.search.lines",
     "depth_scan": ".camera",
     "drives": ".fleet",
     "find": ".fleet",

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .recordings.doctor.report import Report
     from .recordings.search.base import Condition
     from .recordings.search.instant import Instant
+    from .recordings.search.lines import RecordedLines
     from .recordings.search.spans import Spans
     from .scanogram_widget import ScanogramWidget
     from .screens.player import Player
@@ -91,6 +92,31 @@ class Recording(RecordingData):
 
         self._check_open()
         return find(self, condition, topics)
+
+    def lines(self, function: Any, *, rate: float = 10.0, topics: str | Iterable[str] | None = None) -> RecordedLines:
+        """The lines of a function over the recording: their values at any moment, and when each was true, or reached.
+
+        A function of samples (``scan``, ``speed``, ...) or of one moment, as for `find`, is called at each of them. A
+        program, a state machine, or a function that also takes ``time``, ``state`` or ``variables`` is stepped through
+        time. What the robot did is what was recorded.
+
+        Args:
+            function: the function, or a program.
+            rate: steps a second of a function that is stepped through time; a program has its own.
+            topics: the topics that a function of one moment may read, or None for all that a widget shows.
+
+        Raises:
+            TypeError, UnknownTopicError: as `find`. RecordingError: the recording is closed.
+
+        Examples:
+            >>> lines = recording.lines(avoid)  # doctest: +SKIP
+            >>> lines.at(12.5), lines.when(3)  # doctest: +SKIP
+        """
+        # Imported lazily: reading samples needs no programs.
+        from .recordings.search.lines import RecordedLines
+
+        self._check_open()
+        return RecordedLines(self, function, rate, topics)
 
     def doctor(self) -> Report:
         """Check the recording: its topics (rays, angles, limits, frames, rate, jitter, lost scans), and its problems.

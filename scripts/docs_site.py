@@ -33,7 +33,15 @@ OTHER_PAGES = {
 }
 """Pages of the site with another name than in the repository."""
 
-NEEDS_KERNEL = {"drive_widget", "player_widget", "program_widget", "sheet_widget", "stop_widget", "topics_widget"}
+NEEDS_KERNEL = {
+    "drive_widget",
+    "lines_widget",
+    "player_widget",
+    "program_widget",
+    "sheet_widget",
+    "stop_widget",
+    "topics_widget",
+}
 """Widgets that need answers of Python. They keep their pictures, like widgets without a script."""
 
 NOT_IN_BROWSER = {

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..samples.checks import finite
+from .lines import keep, number_text
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,17 @@ class Drive:
         sideways = f", lateral={self.lateral!r}" if self.lateral else ""
         return f"Drive(linear={self.linear!r}, angular={self.angular!r}{sideways})"
 
+
+def _short_text(drive: Drive) -> str:
+    """A speed as a program writes it."""
+    linear, angular, lateral = (
+        number_text(one).removesuffix(".0") for one in (drive.linear, drive.angular, drive.lateral)
+    )
+    sideways = f", lateral={lateral}" if drive.lateral else ""
+    return f"Drive({linear}{f', {angular}' if drive.angular or sideways else ''}{sideways})"
+
+
+keep(Drive, _short_text)  # as a value of a line
 
 STANDSTILL = Drive()
 

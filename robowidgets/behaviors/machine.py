@@ -27,6 +27,7 @@ from ..samples.verdict import Trace, Verdict
 from ._outline import DONE, Move, Node, Outline, described, outline_of
 from ._parameters import asked_by
 from .drive import Drive
+from .lines.watch import LineWatch
 from .robot import DRIVEN, GIVEN, ODOMETRY, TURNED
 
 ROUNDS = 20
@@ -133,6 +134,7 @@ class Machine:
         turns: a note on two moves that undo each other at every step; empty otherwise.
         current: the function that runs now, or ran last.
         at: the path of the state of that function.
+        lines: notes the values of the lines of each function that it calls; None if no widget shows them.
         asking: maps each parameter to a function that asks for it.
 
     Raises:
@@ -149,12 +151,16 @@ class Machine:
         ('tock',)
     """
 
+    calls_functions = True
+    """True for a program that is made of several functions, which it calls by its `lines` if it has any."""
+
     def __init__(self, cls: type) -> None:
         self.name, self.cls = cls.__name__, cls
         self.root = outline_of(cls)
         self.fired: deque[Fired] = deque(maxlen=KEPT)
         self._left: deque[StateSpan] = deque(maxlen=KEPT)
         self.last_step = MachineStep()
+        self.lines: LineWatch | None = None
         self.note = "; ".join(note for node in self.root.nodes() for machine in node.machines for note in machine.notes)
         self.turns = self.at = ""
         self.current: Callable[..., Any] = self.__call__
@@ -455,7 +461,8 @@ class Machine:
         began, now = self._marks.get(owner, (0.0, 0.0)), self._odometer
         self._values |= {SINCE: since, DRIVEN: now[0] - began[0], TURNED: now[1] - began[1]}
         given = self._given(_parameters(function), function.__name__)
-        return function(**{name: wrap(name, value) for name, value in given.items()})
+        given = {name: wrap(name, value) for name, value in given.items()}
+        return function(**given) if self.lines is None else self.lines.call(function, given)
 
     def _given(self, asked: Iterable[str], name: str) -> dict[str, Any]:
         """Return the values that a function or a condition asks for; TypeError if a redefinition asks for new ones."""

@@ -27,6 +27,7 @@ from ..samples.state_span import spelled
 from ..widget.observed import Observed
 from ..widget.rate import RateMeter
 from .drive import STANDSTILL, Drive, drive_of
+from .lines.watch import LineWatch
 from .prints import Prints
 from .robot import DRIVEN, GIVEN, TURNED, DrivenRobot, NotReadyError
 from .step_clock import StepClock
@@ -98,6 +99,8 @@ class Program(Observed):
         """True if another run of its cell continues with its `state` and its time after its end."""
         self.has_view = False
         """True while a widget shows its prints."""
+        self.lines: LineWatch | None = None
+        """Notes the values of the lines of each step; None if no widget shows them."""
         self._robot = robot
         self._lock = threading.RLock()
         self._now = scheduler.clock.now
@@ -377,8 +380,14 @@ class Program(Observed):
                 return None
             self.steps += 1
             self.got = {name: value for name, value in values.items() if name not in GIVEN}
+        lines = self.lines
         with without_input():
-            result = self._in_cell(version.function, **values)
+            if lines is None:
+                result = self._in_cell(version.function, **values)
+            else:
+                of = self.name, version.number
+                made_at = self.steps, self.clock.look()
+                result = self._in_cell(lines.step, of, made_at, version.function, values)
         return drive_of(result, self.returned), result is None
 
     def _fail(self, error: str, raised: BaseException | None, run: object) -> None:

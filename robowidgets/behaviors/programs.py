@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from contextvars import copy_context
 from typing import Any
@@ -12,6 +13,7 @@ from ..runtime.inform import inform
 from ..runtime.user_function import calling_text
 from ..widget.observed import Observed
 from ._parameters import parameters_of, program_name
+from .lines.watch import LineWatch, WatchedStep
 from .machine import Machine
 from .program import ENDED, RUNNING, Program
 from .robot import DrivenRobot
@@ -35,6 +37,8 @@ class Programs(Observed):
         self._robot = robot
         self.variables = Variables()
         self.current: Program | None = None
+        self.lines: LineWatch | None = None
+        """Notes the values of the lines of each step, for the widgets that show them; None without any."""
         self._known: dict[str, Program] = {}
 
     def install(
@@ -60,6 +64,7 @@ class Programs(Observed):
             if known is not None and known.keeps:
                 program.state, program.clock = known.state, known.clock
             program.observe(self._call_observers)
+            program.lines = self.lines
         if isinstance(function, Machine) and isinstance(program.version.function, Machine):
             function.adopt(program.version.function)
         self.current = program
@@ -73,6 +78,25 @@ class Programs(Observed):
         on_cell_error(_name_running)
         self._call_observers()
         return program
+
+    def watch_lines(self) -> deque[WatchedStep]:
+        """Note the values of the lines, and return a queue that gets each step from now on."""
+        if self.lines is None:
+            self.lines = LineWatch()
+        queue = self.lines.add_view()
+        for program in list(self._known.values()):
+            program.lines = self.lines
+        return queue
+
+    def unwatch_lines(self, queue: deque[WatchedStep]) -> None:
+        """Put no more steps into a queue; without any queue, nothing is noted."""
+        if self.lines is None:
+            return
+        self.lines.remove_view(queue)
+        if not self.lines.is_on:
+            self.lines = None
+            for program in list(self._known.values()):
+                program.lines = None
 
     def close(self) -> None:
         """End the program."""

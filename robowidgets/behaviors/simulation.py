@@ -11,6 +11,7 @@ from ..simulator import Robot
 from ..simulator.offers import Offer
 from ._parameters import parameters_of, program_name
 from .drive import STANDSTILL, Drive, drive_of
+from .lines.watch import LineWatch
 from .machine import Machine
 from .odometer import Odometer
 from .program import Program
@@ -46,9 +47,14 @@ class ProgramRun:
         topics: the topics that it names, by parameter.
         asks_for: its parameters.
         odometer: sums up the poses of the robot.
+        lines: notes the values of the lines of each step; None if they are not asked for.
+        returned: the value that the function returned in the last step.
     """
 
     def __init__(self, program: Any, variables: Variables | None = None) -> None:
+        self.lines: LineWatch | None = None
+        self.returned: Any = None
+        self._steps = 0
         self._function = function_of(program)
         self.name = program_name(self._function)
         self.topics: Mapping[str, str] = program.version.topics if isinstance(program, Program) else {}
@@ -77,7 +83,12 @@ class ProgramRun:
         odometer = self.odometer
         given = {**self._own, "time": time, POSE: odometer.pose, DRIVEN: odometer.driven, TURNED: odometer.turned}
         values = {name: samples[name]() if name in samples else given[name] for name in self.asks_for}
-        self._drive = drive_of(self._function(**values), self._drive)
+        self._steps += 1
+        if self.lines is None:
+            self.returned = self._function(**values)
+        else:
+            self.returned = self.lines.step((self.name, 0), (self._steps, time), self._function, values)
+        self._drive = drive_of(self.returned, self._drive)
         return self._drive
 
 

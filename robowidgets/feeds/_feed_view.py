@@ -22,6 +22,7 @@ from ..kinds.choice import (
     parse_requests,
     why_no_plot,
 )
+from ..lines_widget import LinesWidget
 from ..machine_widget import MachineWidget
 from ..message_widget import MessageWidget
 from ..notebook.cells import take_the_place
@@ -70,6 +71,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
 
     Attributes:
         program, machine: the widgets of the program and of its state machine, or None before the first one.
+        lines: the widget of the program's lines, folded to one line at first, or None before the first program.
         room: the view of a simulated robot, or None for any other robot.
         wires: the nodes and topics as a graph while the list of topics shows it, or None.
         refresh: makes widgets for topics that have appeared, and shows the status. The feed calls it. No thread of the
@@ -103,6 +105,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._stop = StopWidget(feed)
         self.program: ProgramWidget | None = None
         self.machine: MachineWidget | None = None
+        self.lines: LinesWidget | None = None
         self.room = None if self._names else feed.room_view()
         self.wires: WiresWidget | None = None
         super().__init__([self._stop, self._status, self.topic_list, self._screen])
@@ -122,7 +125,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.refresh()  # for changes in the meantime
 
     def _display_(self) -> Any:
-        more = (self.room, self.program, self.machine)
+        more = (self.room, self.program, self.machine, self.lines)
         return stacked([self._stop, *self._shown.values(), *(widget for widget in more if widget is not None)])
 
     def __repr__(self) -> str:
@@ -149,7 +152,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._connection.listening.look(self._on_update, None)
         self._closed = True
         self.refresh()
-        more = (self.program, self.machine, self.room, self.wires)
+        more = (self.program, self.machine, self.lines, self.room, self.wires)
         for widget in (self._bar, self._stop, *more, self.topic_list, self._screen):
             if widget is not None:
                 widget.close()
@@ -217,10 +220,14 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         if change["new"]:
             self.wires = WiresWidget(FeedWires(self._connection))
             self.wires.on_open(self._toggle_messages)
-        below = [] if self.wires is None else [self.wires]
-        self.children = [self._stop, self._status, self.topic_list, self._screen, *below]
+        self._stack()
         if before is not None:
             before.close()
+
+    def _stack(self) -> None:
+        """Put the widgets below each other that do not share the height of the window."""
+        below = [widget for widget in (self.lines, self.wires) if widget is not None]
+        self.children = [self._stop, self._status, self.topic_list, self._screen, *below]
 
     def _toggle_messages(self, topic: str) -> None:
         """Show or remove the messages of a topic field by field, for the user."""
@@ -246,7 +253,8 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         if program is None or feed is None or self._names or self._closed:
             return False
         if self.program is None:
-            self.program = ProgramWidget(feed)
+            self.program, self.lines = ProgramWidget(feed), LinesWidget(feed, folded=True)
+            self._stack()
         if self.machine is None and isinstance(program.version.function, Machine):
             self.machine = MachineWidget(feed)
         return (self.program, self.machine) != shown
@@ -275,7 +283,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             widget.close()
         self._shown = shown
         sensors = list(shown.values())
-        more = [widget for widget in (self.machine, self.room) if widget is not None]
+        more = [widget for widget in (self.machine, self.lines, self.room) if widget is not None]
         group = freeze_together([*sensors, *more])
         self._stop.freeze_with(group if sensors else "", self._connection.page_name)
         for widget in more:

@@ -10,7 +10,9 @@ import ast
 import asyncio
 import contextlib
 import io
+import itertools
 import json
+import linecache
 import queue
 import struct
 import threading
@@ -39,6 +41,8 @@ from .notebook import CellError, wait_for_drawing
 FOLDER = Path(__file__).parent
 MARGIN = 40
 """Margin around the widgets, in pixels."""
+_numbers = itertools.count(1)
+"""Numbers of cells that run."""
 
 
 class PageServer:
@@ -267,11 +271,14 @@ class PlainPage:
     def _execute(self, code: str, shown: list[Widget]) -> str:
         tree = ast.parse(code)
         last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
+        # As a notebook does, so that the source of a function is known.
+        file = f"<cell {next(_numbers)}>"
+        linecache.cache[file] = len(code), None, code.splitlines(keepends=True), file
         printed = io.StringIO()
         with self._kernel, contextlib.redirect_stdout(printed):
             try:
-                exec(compile(tree, "<cell>", "exec"), self._namespace)
-                result = last and eval(compile(ast.Expression(last.value), "<cell>", "eval"), self._namespace)
+                exec(compile(tree, file, "exec"), self._namespace)
+                result = last and eval(compile(ast.Expression(last.value), file, "eval"), self._namespace)
             except Exception:
                 raise CellError(traceback.format_exc()) from None
         if isinstance(result, Widget):

@@ -46,7 +46,7 @@ RUN = "robot.program(SimpleAvoid, rate=20)"
 BOXES = """() => Object.fromEntries([...document.querySelectorAll(
     ".rw-feed, .rw-feed .rw-card:not(.rw-topics)")].map((element) => {
     const { x, y, width, height } = element.getBoundingClientRect();
-    return [/rw-(feed|stop-bar|simulator|laser|program|machine|speed|touch|path)\\b/.exec(element.className)[1],
+    return [/rw-(feed|stop-bar|simulator|laser|program|machine|lines|speed|touch|path)\\b/.exec(element.className)[1],
         { x, y, width, height, right: x + width, bottom: y + height }];
 }))"""
 COVERED = """(cards) => cards.flatMap((card) => {
@@ -55,6 +55,8 @@ COVERED = """(cards) => cards.flatMap((card) => {
     return [[0.04, 0.12], [0.5, 0.5], [0.96, 0.88]].every(([x, y]) => seen(x, y)) ? [] : [card.className];
 })"""
 """Return the cards that are partly outside the window or under another card."""
+LINES = 46
+"""Height in pixels of the lines of the program, folded to one line, below the screen."""
 CUT = """(cards) => cards.filter((card) => card.scrollWidth > card.clientWidth + 1).map((card) => card.className)"""
 
 
@@ -83,7 +85,7 @@ def test_a_robot_with_a_program_and_its_machine_stands_on_one_screen(
         nb.resize(width, 720)
         eventually(lambda: cards.evaluate_all(CUT), [])
         at = boxes(nb)
-        assert at["feed"]["height"] == 562
+        assert at["feed"]["height"] == 562 + LINES
         assert at["feed"]["width"] == width
         bar, room, laser = (at[name] for name in ("stop-bar", "simulator", "laser"))
         assert bar["y"] == room["y"] == at["feed"]["y"]
@@ -96,7 +98,7 @@ def test_a_robot_with_a_program_and_its_machine_stands_on_one_screen(
             assert at[name]["bottom"] < at["speed"]["y"], "what it has no room for scrolls"
         for name in ("speed", "touch"):
             assert at[name]["height"] in (150, 188)
-            assert at[name]["bottom"] == laser["bottom"] == at["feed"]["bottom"]
+            assert at[name]["bottom"] == laser["bottom"] < at["lines"]["y"]
         tiles = nb.output(2).locator(".rw-touch > .rw-picture")
         assert tiles.evaluate("tiles => tiles.scrollHeight <= tiles.clientHeight"), "all sensors are in view"
         expect(nb.output(2).locator(".rw-speed [data-axis] .rw-value")).to_have_count(3)
@@ -143,7 +145,7 @@ def test_one_freeze_freezes_all_pictures_of_the_view_during_a_busy_cell(plain_pa
     expect(freeze).to_have_text("Freeze")
     with nb.busy():
         freeze.click()
-        expect(cards).to_have_count(5)
+        expect(cards).to_have_count(6)
         expect(freeze).to_have_text("Frozen")
         expect(freeze).to_have_attribute("aria-pressed", "true")
         shoot(nb.output(2), "feed-frozen")
@@ -155,7 +157,7 @@ def test_one_freeze_freezes_all_pictures_of_the_view_during_a_busy_cell(plain_pa
         freeze.click()
         expect(cards).to_have_count(0)
     nb.python("view.widgets['/odom'].paused = True")
-    expect(cards).to_have_count(5)
+    expect(cards).to_have_count(6)
     expect(freeze).to_have_text("Frozen")
     nb.python("view.widgets['/odom'].paused = False")
     expect(freeze).to_have_text("Freeze")
@@ -205,13 +207,13 @@ def test_in_jupyterlab_all_of_it_is_in_view_at_1280_by_720_and_in_a_narrow_windo
     feed = nb.output(1).locator(".rw-feed")
     expect(feed.locator(".rw-machine-state[data-active='leaf']")).to_be_visible()
     feed.evaluate("feed => feed.scrollIntoView()")
-    assert boxes(nb)["feed"]["height"] == 562
-    cards = feed.locator(".rw-card")
+    assert boxes(nb)["feed"]["height"] == 562 + LINES
+    cards = feed.locator(".rw-card:not(.rw-lines)")  # the lines of the program stand below
     expect(cards).to_have_count(8)
     assert cards.evaluate_all(COVERED) == []
     shoot(nb.page.locator(".jp-NotebookPanel"), "feed-lab")
     feed.locator(".rw-freeze-all").click()
-    expect(feed.locator(".rw-frozen")).to_have_count(5)
+    expect(feed.locator(".rw-frozen")).to_have_count(6)
     nb.reload()
     feed = nb.output(1).locator(".rw-feed")
     expect(feed.locator(".rw-freeze-all")).to_have_text("Frozen")

@@ -20,6 +20,7 @@ import { HelpLayer } from "./help_layer.ts";
 import { HighlightLayer } from "./highlight_layer.ts";
 import type { Host, Layer, Stage } from "./layer.ts";
 import { Legend } from "./legend.ts";
+import { LitLayer } from "./lit_layer.ts";
 import { MountButton, shownBy } from "./mount.ts";
 import { PinLayer } from "./pin_layer.ts";
 import { PointerLayer } from "./pointer.ts";
@@ -83,6 +84,7 @@ export class LaserView implements Host {
       spread,
       new RobotLayer(this),
       new ConditionLayer(this.card.lamps),
+      new LitLayer(this),
       new SonarLayer(this),
       new ReadingLayer(model),
       new ShapeLayer(this),

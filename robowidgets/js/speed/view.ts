@@ -87,7 +87,7 @@ export class SpeedView {
     this.#reset = makeButton("rw-reset", "Reset the peaks", () => this.#onReset(), signal);
     this.#reset.append(makeIcon(RESET), make("span", "rw-word", "Peaks"));
     const onOverTime = () => setTraits(model, { over_time: model.get("over_time") ? 0 : USUAL_SECONDS });
-    this.#overTime = makeButton("rw-lines", "Over time: the last seconds of each axis", onOverTime, signal);
+    this.#overTime = makeButton("rw-speed-lines", "Over time: the last seconds of each axis", onOverTime, signal);
     this.#overTime.append(makeIcon(LINE));
     this.#card.addControls(this.#reset, this.#overTime, this.#planar);
     onChange(model, SETTINGS, this.#card.redraw, signal);

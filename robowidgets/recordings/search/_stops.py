@@ -51,6 +51,20 @@ class StopsCondition(Condition):
 
     def steps(self, search: Search) -> Steps:
         """See `Condition`."""
+        run = ProgramRun(self._program)
+        # One list, so that an interrupt leaves no time without its value.
+        rounds: list[tuple[int, int]] = []
+        try:
+            for time_ns, seconds, samples in self.moments(search, run):
+                rounds.append((time_ns, UNKNOWN if samples is None else self._step(run, seconds, samples)))
+        except KeyboardInterrupt:
+            search.cut(rounds[-1][0] if rounds else search.recording.start_ns or 0)
+        return steps([time_ns for time_ns, _ in rounds], [value for _, value in rounds])
+
+    def moments(
+        self, search: Search, run: ProgramRun
+    ) -> Iterator[tuple[int, float, Mapping[str, Callable[[], Any]] | None]]:
+        """The steps of a run: nanoseconds, seconds, and what makes its samples, or None if one is too old."""
         recording = search.recording
         read = self._read(recording)
         all_topics = shown(recording.topics)
@@ -62,18 +76,11 @@ class StopsCondition(Condition):
             for topic in names
             if KINDS[all_topics[topic].widget or ""].goes_stale
         }
-        run = ProgramRun(self._program)
         samples = {name: partial(self._sample, instant, name) for name in read if name != POSE}
-        # One list, so that after an interrupt all times have values.
-        rounds: list[tuple[int, int]] = []
-        try:
-            for time_ns in self._ticks(search, now, run, read):
-                seconds = (time_ns - (recording.start_ns or 0)) / 1e9
-                is_old = any(seconds - now.seconds_of.get(topic, -np.inf) > most for topic, most in longest.items())
-                rounds.append((time_ns, UNKNOWN if is_old else self._step(run, seconds, samples)))
-        except KeyboardInterrupt:
-            search.cut(rounds[-1][0] if rounds else recording.start_ns or 0)
-        return steps([time_ns for time_ns, _ in rounds], [value for _, value in rounds])
+        for time_ns in self._ticks(search, now, run, read):
+            seconds = (time_ns - (recording.start_ns or 0)) / 1e9
+            is_old = any(seconds - now.seconds_of.get(topic, -np.inf) > most for topic, most in longest.items())
+            yield time_ns, seconds, None if is_old else samples
 
     def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
         """See `Condition`."""

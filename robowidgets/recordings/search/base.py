@@ -156,12 +156,12 @@ class FunctionCondition(Condition):
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:
         """See `Condition`."""
-        return [topic.name for topic in _topics(recording, asked)]
+        return [topic.name for topic in topics_to_read(recording, asked)]
 
     def steps(self, search: Search) -> Steps:
         """See `Condition`."""
         recording = search.recording
-        topics = _topics(recording, search.topics)
+        topics = topics_to_read(recording, search.topics)
         now = Now(recording.start_ns or 0)
         instant = Instant(recording.path.name, topics, now, recording.preferred)
         # One list, so that after an interrupt all times have values.
@@ -267,7 +267,7 @@ def names_of(function: Callable[..., Any]) -> tuple[str, ...]:
     return ()
 
 
-def _topics(recording: RecordingData, asked: Any) -> list[Topic]:
+def topics_to_read(recording: RecordingData, asked: Any) -> list[Topic]:
     """Return the topics that a function may read; raise UnknownTopicError without topics."""
     there = shown(recording.topics)
     names = there if asked is None else [asked] if isinstance(asked, str) else list(asked)

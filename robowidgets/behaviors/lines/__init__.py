@@ -1,0 +1,23 @@
+"""Programs with the values of each line: the source of a step, rewritten so that it notes what it computes."""
+
+from .noting import CallNotes, Notebook, Noted
+from .places import FunctionSource, NotedPlace
+from .rewriting import NotRewrittenError, Rewritten, rewritten
+from .shown import lines_of, passes_of
+from .values import keep, number_text, text_of
+
+__all__ = [
+    "CallNotes",
+    "FunctionSource",
+    "NotRewrittenError",
+    "Notebook",
+    "Noted",
+    "NotedPlace",
+    "Rewritten",
+    "keep",
+    "lines_of",
+    "number_text",
+    "passes_of",
+    "rewritten",
+    "text_of",
+]

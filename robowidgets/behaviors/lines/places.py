@@ -1,0 +1,88 @@
+"""The places in a function's source that are noted, and the lines that belong to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+VALUE, TEST, COMPARE, OPERAND, RAYS, MARK, PASS = "value", "test", "compare", "operand", "rays", "mark", "pass"
+"""Kinds of places: the value of a statement, a test, a comparison, a part of a condition, a call that reads rays, the
+beginning of a statement without a value, and the beginning of a pass of a loop."""
+
+
+@dataclass(frozen=True)
+class Operand:
+    """One side of a comparison, or an argument.
+
+    ``text`` is its source. It is a constant if ``place`` and ``extra`` are None. Else it is the value that was noted at
+    a place, or the value that the note of the comparison has as its ``extra``-th one.
+    """
+
+    text: str
+    constant: Any = None
+    place: int | None = None
+    extra: int | None = None
+
+
+@dataclass(frozen=True)
+class NotedPlace:
+    """A place in the source whose value is noted.
+
+    Attributes:
+        kind: one of the kinds above.
+        line: the line in the file on which its value is shown.
+        column, end_line, end_column: the range of the expression, in characters.
+        text: its source.
+        extras: the number of values that its note has in addition to its own.
+        names: the names that the value is assigned to.
+        units: the unit of each of these names, empty if it is not known.
+        relation: of a comparison with two sides, such as ``<``.
+        operands: for a comparison its sides. For a call that reads rays the scan, then the sector.
+        loop: the number of the innermost loop around it, or None.
+    """
+
+    kind: str
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+    text: str = ""
+    extras: int = 0
+    names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    relation: str = ""
+    operands: tuple[Operand, ...] = ()
+    loop: int | None = None
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A loop: its line, the loop around it, and its last line."""
+
+    line: int
+    around: int | None
+    end_line: int
+
+
+@dataclass(frozen=True)
+class FunctionSource:
+    """The source of a function, with the places that are noted.
+
+    Attributes:
+        name: the name of the function.
+        file: the name of its file, as in tracebacks.
+        first: the number of its first line in the file.
+        texts: its lines, without their common indentation.
+        places: by number.
+        loops: by number.
+        reach: for each line of code, the numbers of the places that show that it was reached.
+    """
+
+    name: str
+    file: str
+    first: int
+    texts: tuple[str, ...]
+    places: tuple[NotedPlace, ...] = ()
+    loops: tuple[Loop, ...] = ()
+    reach: Mapping[int, tuple[int, ...]] = field(default_factory=dict)

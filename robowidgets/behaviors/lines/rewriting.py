@@ -1,0 +1,623 @@
+"""Rewriting a function so that it notes the values that its lines compute, and does all else as before.
+
+The source of the function is parsed, each value is wrapped in a call that notes it and returns it, and the whole is
+compiled again in its own place: within its class, its outer function and its file. So line numbers,
+columns, closures, names of private members and ``super()`` stay what they were. The call is a constant of the code, no
+name: ``globals()`` and ``locals()`` have nothing new.
+
+Nothing is computed twice or in another order. After a comparison its local variables are read once more, which has no
+effect. Inner functions, lambdas, comprehensions, f-strings and the targets of assignments stay as they are.
+"""
+
+from __future__ import annotations
+import __future__
+
+import ast
+import copy
+import functools
+import linecache
+import textwrap
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from types import CodeType, FunctionType, MethodType
+from typing import Any
+
+from .places import COMPARE, MARK, OPERAND, PASS, RAYS, TEST, VALUE, FunctionSource, Loop, NotedPlace, Operand
+
+READS_RAYS = ("distance", "nearest", "at")
+"""Methods of a scan that look at some of its rays."""
+
+MOST_EXTRAS = 2
+_NOTES = tuple(f"\0robowidgets note {number}\0" for number in range(2 * (MOST_EXTRAS + 1)))
+"""Constants that stand for the functions that note, in the order of `Notes`, until the code is bound to them."""
+_FUTURES = sum({getattr(__future__, name).compiler_flag for name in __future__.all_feature_names} - {0x10, 0})
+"""The flags of code that say which ``from __future__`` imports are in force."""
+_GENERATOR, _COROUTINE, _ASYNC_GENERATOR = 0x20, 0x80, 0x200
+_RELATIONS: dict[type[ast.cmpop], str] = {
+    ast.Lt: "<", ast.LtE: "≤", ast.Gt: ">", ast.GtE: "≥", ast.Eq: "=", ast.NotEq: "≠", ast.Is: "is",
+    ast.IsNot: "is not", ast.In: "in", ast.NotIn: "not in",
+}  # fmt: skip
+_WITHOUT_VALUE = (
+    ast.Pass, ast.Break, ast.Continue, ast.Delete, ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef,
+    ast.ClassDef,
+)  # fmt: skip
+_LEFT_ALONE = (
+    ast.Lambda, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.JoinedStr, ast.FunctionDef,
+    ast.AsyncFunctionDef, ast.ClassDef, ast.Constant,
+)  # fmt: skip
+"""Expressions and definitions whose parts are not noted."""
+
+NoteCall = Callable[..., Any]
+Notes = Sequence[NoteCall]
+"""The functions that take a place and a value, and 0, 1 or 2 more values, and return the value; then those for places
+in a loop."""
+
+
+class NotRewrittenError(Exception):
+    """A function cannot be rewritten; the text is the reason, as a sentence about it: "its source is not known"."""
+
+
+@dataclass(frozen=True)
+class Rewritten:
+    """A function that was rewritten.
+
+    Attributes:
+        source: its source.
+        code: its code, with constants that stand for the functions that note.
+        function: the function as it was.
+    """
+
+    source: FunctionSource
+    code: CodeType
+    function: Callable[..., Any]
+
+    def bind(self, notes: Notes) -> Callable[..., Any]:
+        """Return the rewritten function, whose values go to these functions."""
+        inner = _function_in(self.function)
+        by_name: dict[str, Any] = dict(zip(_NOTES, notes, strict=True))
+        constants = tuple(by_name.get(one, one) if type(one) is str else one for one in self.code.co_consts)
+        made = FunctionType(
+            self.code.replace(co_consts=constants),
+            inner.__globals__,
+            inner.__name__,
+            inner.__defaults__,
+            inner.__closure__,
+        )
+        made.__kwdefaults__ = inner.__kwdefaults__
+        made.__qualname__, made.__module__, made.__doc__ = inner.__qualname__, inner.__module__, inner.__doc__
+        vars(made).update(vars(inner))
+        return _with(self.function, made)
+
+
+def rewritten(function: Callable[..., Any]) -> Rewritten:
+    """Rewrite a function, a method, or a `functools.partial` of one.
+
+    Raises:
+        NotRewrittenError: it cannot be rewritten; the text says why.
+    """
+    inner = _function_in(function)
+    code = inner.__code__
+    if code.co_flags & (_GENERATOR | _COROUTINE | _ASYNC_GENERATOR):
+        what = "async" if code.co_flags & (_COROUTINE | _ASYNC_GENERATOR) else "a generator"
+        raise NotRewrittenError(f"it is {what}")
+    if hasattr(inner, "__wrapped__"):
+        raise NotRewrittenError("a decorator wraps it in another function")
+    linecache.checkcache(code.co_filename)
+    lines = linecache.getlines(code.co_filename, inner.__globals__)
+    if not lines:
+        raise NotRewrittenError("its source is not known")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Python has warned when the user's own code was compiled.
+        return _rewritten(function, code, "".join(lines), lines)
+
+
+def _rewritten(function: Callable[..., Any], code: CodeType, text: str, lines: Sequence[str]) -> Rewritten:
+    changed = NotRewrittenError("its source has changed since it was defined")
+    try:
+        whole = ast.parse(text, code.co_filename)
+    except (SyntaxError, ValueError, RecursionError):
+        raise changed from None
+    # A notebook compiles each statement of a cell by itself, and what Python makes of a call depends on imports.
+    for tree in (whole, _only(whole, code.co_firstlineno)):
+        there = _codes_like(code, _compiled(tree, code))
+        if same := [i for i, one in enumerate(there) if _is_same(one, code)]:
+            break
+    else:
+        raise changed
+    nodes: list[Any] = [node for node in ast.walk(tree) if _is_at(node, code)]
+    nodes.sort(key=lambda node: (node.lineno, node.col_offset))
+    if len(nodes) > 1 and len(nodes) != len(there):
+        raise NotRewrittenError("several functions of its name are on its line")
+    node = nodes[0] if len(nodes) == 1 else nodes[same[0]]
+    rewriter = _Rewriter(code, text)
+    rewriter.rewrite(node)
+    ast.fix_missing_locations(tree)
+    found = [one for one in _codes_like(code, _compiled(tree, code)) if _is_noting(one)]
+    # A function without any place, such as one that only has a docstring, is as it was.
+    made = found[0] if found else code
+    if made.co_freevars != code.co_freevars or made.co_varnames != code.co_varnames:
+        raise NotRewrittenError("its variables would change")
+    first, end = code.co_firstlineno, node.end_lineno or code.co_firstlineno
+    texts = textwrap.dedent("".join(lines[first - 1 : end])).expandtabs(4).splitlines()
+    source = FunctionSource(
+        code.co_name,
+        code.co_filename,
+        first,
+        tuple(texts),
+        tuple(rewriter.places),
+        tuple(rewriter.loops),
+        rewriter.reach_of_lines(first, end, lines),
+    )
+    return Rewritten(source, made, function)
+
+
+def _function_in(function: Any) -> FunctionType:
+    """The Python function in a callable; raise NotRewrittenError without one."""
+    if isinstance(function, functools.partial):
+        return _function_in(function.func)
+    if isinstance(function, MethodType):
+        return _function_in(function.__func__)
+    if isinstance(function, FunctionType):
+        return function
+    called = next((vars(kind)["__call__"] for kind in type(function).__mro__ if "__call__" in vars(kind)), None)
+    if isinstance(called, FunctionType):
+        return called
+    raise NotRewrittenError("it is not written in Python")
+
+
+def _with(function: Any, made: FunctionType) -> Callable[..., Any]:
+    """A callable with another Python function in it."""
+    if isinstance(function, functools.partial):
+        return functools.partial(_with(function.func, made), *function.args, **function.keywords)
+    if isinstance(function, MethodType):
+        return MethodType(made, function.__self__)
+    return made if isinstance(function, FunctionType) else MethodType(made, function)
+
+
+def _only(tree: ast.Module, line: int) -> ast.Module:
+    """The statement of a file that has a line, with the imports from ``__future__``."""
+
+    def is_kept(node: ast.stmt) -> bool:
+        is_future = isinstance(node, ast.ImportFrom) and node.module == "__future__"
+        return is_future or _first_line(node) <= line <= (node.end_lineno or line)
+
+    return ast.Module([node for node in tree.body if is_kept(node)], [])
+
+
+def _compiled(tree: ast.Module, code: CodeType) -> CodeType:
+    flags = code.co_flags & _FUTURES | ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
+    try:
+        compiled: CodeType = compile(tree, code.co_filename, "exec", flags, dont_inherit=True)
+    except (SyntaxError, ValueError, RecursionError) as error:
+        raise NotRewrittenError(f"its source does not compile by itself: {error}") from None
+    return compiled
+
+
+def _is_at(node: ast.AST, code: CodeType) -> bool:
+    """Return True if a node is the definition of a code's function, by its name and its first line."""
+    if isinstance(node, ast.FunctionDef):
+        first = min([node.lineno, *(one.lineno for one in node.decorator_list)])
+        return node.name == code.co_name and first == code.co_firstlineno
+    return isinstance(node, ast.Lambda) and code.co_name == "<lambda>" and node.lineno == code.co_firstlineno
+
+
+def _codes_like(code: CodeType, within: CodeType) -> list[CodeType]:
+    """The codes of the same name and first line, from top to bottom."""
+    found = []
+    for one in within.co_consts:
+        if isinstance(one, CodeType):
+            if (one.co_name, one.co_firstlineno) == (code.co_name, code.co_firstlineno):
+                found.append(one)
+            found += _codes_like(code, one)
+    return found
+
+
+def _is_noting(code: CodeType) -> bool:
+    return any(type(one) is str and one in _NOTES for one in code.co_consts)
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    """Return True if two codes, or two of their constants, do the same."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, CodeType):
+        names = ("co_code", "co_names", "co_varnames", "co_freevars", "co_cellvars", "co_argcount", "co_name")
+        return all(getattr(one, name) == getattr(other, name) for name in names) and _is_same(
+            one.co_consts, other.co_consts
+        )
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(_is_same, one, other))
+    return bool(one == other) or repr(one) == repr(other)
+
+
+class _Rewriter:
+    """Rewrites the body of one function."""
+
+    def __init__(self, code: CodeType, text: str) -> None:
+        self.places: list[NotedPlace] = []
+        self.loops: list[Loop] = []
+        self._lines = [line.encode() for line in text.splitlines(keepends=True)]
+        self._plain = frozenset(code.co_varnames) - {*code.co_cellvars, *code.co_freevars}
+        """The local variables that no inner function uses: to read one has no effect."""
+        self._loop: int | None = None
+        self._line = self._body_line = 0
+        """The line of the statement, and of the first one."""
+        self._raises = 0
+        """The number of blocks around it that may catch what it raises."""
+        self._spans: list[tuple[int, int, tuple[int, ...]]] = []
+        """Lines of statements, first and last, with their places; inner ones later."""
+
+    def rewrite(self, node: Any) -> None:
+        """Rewrite a definition or a lambda."""
+        if isinstance(node, ast.Lambda):
+            self._line = node.body.lineno
+            before = len(self.places)
+            node.body = self._value(node.body)
+            self._close(node, before)
+            return
+        body = node.body
+        self._body_line = _first_line(body[0])
+        if ast.get_docstring(node, clean=False) is not None:
+            node.body = [body[0], *self._block(body[1:])]
+        else:
+            node.body = self._block(body)
+
+    def reach_of_lines(self, first: int, end: int, lines: Sequence[str]) -> dict[int, tuple[int, ...]]:
+        """For each line of code, the places that show that it was reached."""
+        reach: dict[int, tuple[int, ...]] = {}
+        for start, last, places in self._spans:
+            for line in range(start, last + 1):
+                reach[line] = reach.get(line, ()) + places
+        # What stands between statements, such as else and try, belongs to the statement after it.
+        after: tuple[int, ...] = ()
+        for line in range(end, max(first, self._body_line - 1), -1):
+            if line in reach:
+                after = reach[line]
+            elif lines[line - 1].strip() and not lines[line - 1].lstrip().startswith("#") and after:
+                reach[line] = after
+        return {line: places for line, places in sorted(reach.items()) if line >= first and lines[line - 1].strip()}
+
+    # -- statements ----------------------------------------------------------------------------------------------------
+
+    def _block(self, body: Iterable[ast.stmt], begin: Sequence[ast.stmt] = ()) -> list[ast.stmt]:
+        made = list(begin)
+        for statement in body:
+            made += self._statement(statement)
+        return made
+
+    def _statement(self, node: ast.stmt) -> Iterator[ast.stmt]:
+        self._line = line = node.lineno
+        before = len(self.places)
+        if isinstance(node, (ast.Global, ast.Nonlocal)) or (isinstance(node, ast.AnnAssign) and node.value is None):
+            yield node  # Python does nothing there.
+            return
+        if self._raises or _has_no_value(node):
+            yield self._mark(node)
+        more: list[ast.stmt] = []
+        inner: list[tuple[Any, str, list[ast.stmt], int | None]] = []
+        """Blocks within it: their node and field, what they begin with, and the loop that they are."""
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            if (pair := _parts_of(targets, node.value)) is not None:
+                values, names_of_each = pair
+                for i, names in enumerate(names_of_each):
+                    values[i] = self._value(values[i], names, _units_of(values[i]))
+            else:
+                node.value = self._value(node.value, _names_of(targets), _units_of(node.value))
+        elif isinstance(node, ast.AugAssign):
+            node.value = self._parts(node.value)
+            if isinstance(node.target, ast.Name) and node.target.id in self._plain:
+                name = node.target.id
+                more.append(self._note_names(node.target, VALUE, ast.Name(name, ast.Load()), (name,)))
+            else:
+                node.value = self._wrap(node.value, VALUE)
+        elif isinstance(node, (ast.Return, ast.Expr)) and not _has_no_value(node):
+            node.value = self._value(node.value)
+        elif isinstance(node, ast.Assert):
+            node.test = self._test(node.test)
+        elif isinstance(node, ast.Raise) and node.exc is not None:
+            node.exc = self._value(node.exc)
+        elif isinstance(node, ast.If):
+            node.test = self._test(node.test)
+            inner += [(node, "body", [], None), (node, "orelse", [], None)]
+        elif isinstance(node, (ast.While, ast.For)):
+            loop = len(self.loops)
+            self.loops.append(Loop(line, self._loop, _end_of_body(node)))
+            if isinstance(node, ast.For):
+                node.iter = self._value(node.iter)
+                first = self._in_loop(loop, functools.partial(self._pass, node.target, node.target))
+            else:
+                node.test = self._in_loop(loop, functools.partial(self._test, node.test))
+                first = self._in_loop(loop, functools.partial(self._pass, node.body[0], None))
+            inner += [(node, "body", [first], loop), (node, "orelse", [], None)]
+        elif isinstance(node, ast.With):
+            for item in node.items:
+                item.context_expr = self._value(item.context_expr)
+            inner.append((node, "body", [], None))
+        elif isinstance(node, ast.Try) or type(node).__name__ == "TryStar":
+            handlers: list[ast.ExceptHandler] = node.handlers  # type: ignore[attr-defined]
+            inner.append((node, "body", [], None))
+            inner += [(handler, "body", [self._begin(handler)], None) for handler in handlers]
+            inner += [(node, "orelse", [], None), (node, "finalbody", [], None)]
+        elif isinstance(node, ast.Match):
+            node.subject = self._value(node.subject)
+            for case in node.cases:
+                self._line = case.pattern.lineno
+                case.guard = None if case.guard is None else self._test(case.guard)
+                inner.append((case, "body", [self._begin(case)], None))
+        self._close(node, before)
+        for of, field, begin, own in inner:
+            catches = isinstance(node, ast.With) or (
+                of is node and field in ("body", "orelse") and hasattr(of, "handlers")
+            )
+            self._raises += catches
+            around, self._loop = self._loop, self._loop if own is None else own
+            setattr(of, field, self._block(getattr(of, field), begin) if getattr(of, field) else [])
+            self._loop = around
+            self._raises -= catches
+        yield node
+        yield from more
+
+    def _close(self, node: Any, before: int) -> None:
+        """Note the lines of a statement without its blocks, whose places are all since a number."""
+        places = tuple(range(before, len(self.places)))
+        blocks = [getattr(node, name, None) for name in ("body", "orelse", "finalbody", "handlers", "cases")]
+        is_open = not isinstance(node, (ast.Lambda, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
+        inner = [block[0] for block in blocks if isinstance(block, list) and block] if is_open else []
+        first = min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", ()))])
+        last = min([_first_line(one) - 1 for one in inner], default=node.end_lineno or node.lineno)
+        if isinstance(node, ast.Match):
+            own = [number for number in places if self.places[number].line == node.lineno]
+            self._spans.append((first, max(first, last), tuple(own)))
+            for case in node.cases:
+                line = case.pattern.lineno
+                found = [number for number in places if self.places[number].line == line and number not in own]
+                self._spans.append((line, max(line, case.body[0].lineno - 1), tuple(found)))
+        elif places and not hasattr(node, "handlers"):
+            self._spans.append((first, max(first, last), places))
+        for handler in getattr(node, "handlers", ()):
+            found = [number for number in places if self.places[number].line == handler.lineno]
+            self._spans.append((handler.lineno, max(handler.lineno, handler.body[0].lineno - 1), tuple(found)))
+
+    def _begin(self, node: Any) -> ast.stmt:
+        """The beginning of an ``except`` or a ``case``, which shows that it was reached."""
+        at = node if isinstance(node, ast.ExceptHandler) else node.pattern
+        self._line = at.lineno
+        return self._mark(node.body[0])
+
+    def _in_loop(self, loop: int, make: Callable[[], Any]) -> Any:
+        around, self._loop = self._loop, loop
+        made = make()
+        self._loop = around
+        return made
+
+    def _pass(self, at: Any, target: Any) -> ast.stmt:
+        """The beginning of a pass of a loop, with the value of its variables if they are local."""
+        names = _names_of([] if target is None else [target])
+        is_plain = names and all(name in self._plain for name in names)
+        if not is_plain or any(
+            isinstance(one, (ast.Attribute, ast.Subscript, ast.Starred)) for one in ast.walk(target)
+        ):
+            return self._mark(at, PASS)
+        value = copy.deepcopy(target)
+        for one in ast.walk(value):
+            if hasattr(one, "ctx"):
+                one.ctx = ast.Load()
+        return self._note_names(at, PASS, value, names)
+
+    def _mark(self, node: Any, kind: str = MARK) -> ast.stmt:
+        return self._note_names(node, kind, ast.Constant(None), ())
+
+    def _note_names(self, at: Any, kind: str, value: ast.expr, names: tuple[str, ...]) -> ast.stmt:
+        """A statement that notes a value, on the line of a node."""
+        if isinstance(at, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)) and at.decorator_list:
+            at = at.decorator_list[0]
+        here = ast.Constant(None, lineno=at.lineno, col_offset=at.col_offset)
+        here.end_lineno, here.end_col_offset = at.lineno, at.col_offset
+        for one in ast.walk(value):
+            if hasattr(one, "lineno") or isinstance(one, ast.expr):
+                ast.copy_location(one, here)
+        call = self._wrap(value, kind, names=names, at=here)
+        return ast.copy_location(ast.Expr(call), here)
+
+    # -- expressions ---------------------------------------------------------------------------------------------------
+
+    def _value(self, node: Any, names: tuple[str, ...] = (), units: tuple[str, ...] = ()) -> Any:
+        """The value of a statement."""
+        if self._is_own(node):
+            return self._noted(node, kind=VALUE, names=names, units=units)
+        return self._wrap(self._parts(node), VALUE, names=names, units=units)
+
+    def _test(self, node: Any) -> Any:
+        if isinstance(node, ast.Constant):
+            return node  # Python leaves out the test of "while True".
+        return self._noted(node, kind=TEST) if self._is_own(node) else self._wrap(self._parts(node), TEST)
+
+    def _is_own(self, node: Any) -> bool:
+        """Return True for a comparison, or what reads rays: its note has more than its value."""
+        return isinstance(node, ast.Compare) or _reads_rays(node)
+
+    def _parts(self, node: Any) -> Any:
+        """An expression whose parts are noted, if they decide something or read rays."""
+        if isinstance(node, _LEFT_ALONE) or type(node).__name__ == "TemplateStr":
+            return node
+        if isinstance(node, ast.BoolOp):
+            node.values = [self._part(value) for value in node.values]
+        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+            node.operand = self._part(node.operand)
+        elif isinstance(node, ast.IfExp):
+            # In this order, in which they are computed.
+            node.test = self._part(node.test)
+            node.body, node.orelse = self._sub(node.body), self._sub(node.orelse)
+        elif isinstance(node, ast.NamedExpr):
+            node.value = self._wrap(self._parts(node.value), OPERAND, names=(node.target.id,))
+        else:
+            for name, value in ast.iter_fields(node):
+                if isinstance(value, ast.expr):
+                    setattr(node, name, self._sub(value))
+                elif isinstance(value, list):
+                    for i, one in enumerate(value):
+                        if isinstance(one, ast.keyword):
+                            one.value = self._sub(one.value)
+                        elif isinstance(one, ast.expr):
+                            value[i] = self._sub(one)
+        return node
+
+    def _sub(self, node: Any) -> Any:
+        return self._noted(node) if self._is_own(node) else self._parts(node)
+
+    def _part(self, node: Any) -> Any:
+        """A part of a condition."""
+        if self._is_own(node):
+            return self._noted(node)
+        if isinstance(node, (ast.BoolOp, ast.Constant)) or (
+            isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)
+        ):
+            return self._parts(node)
+        return self._wrap(self._parts(node), OPERAND)
+
+    def _noted(self, node: Any, kind: str = "", names: tuple[str, ...] = (), units: tuple[str, ...] = ()) -> Any:
+        """A comparison with its sides, or a call that reads rays with its scan and its sector."""
+        if not isinstance(node, ast.Compare):
+            return self._noted_rays(node, kind or RAYS, names, units)
+        has_walrus = any(isinstance(one, ast.NamedExpr) for one in ast.walk(node))
+        sides = [node.left, *node.comparators]
+        made: list[ast.expr] = []
+        operands: list[Operand] = []
+        extras: list[ast.expr] = []
+        for i, side in enumerate(sides):
+            operand, side, extra = self._operand(side, len(extras), is_read=i < 2 and not has_walrus)
+            operands.append(operand)
+            made.append(side)
+            extras += extra
+        node.left, node.comparators = made[0], made[1:]
+        relation = _RELATIONS[type(node.ops[0])] if len(node.ops) == 1 else ""
+        return self._wrap(node, kind or COMPARE, names=names, extras=extras, relation=relation, operands=operands)
+
+    def _noted_rays(self, node: Any, kind: str, names: tuple[str, ...], units: tuple[str, ...]) -> Any:
+        has_walrus = any(isinstance(one, ast.NamedExpr) for one in ast.walk(node))
+        scan, node.func.value, extras = self._operand(node.func.value, 0, is_read=not has_walrus)
+        operands = [scan]
+        for i, argument in enumerate(node.args):
+            if i == 0 and not isinstance(argument, ast.Starred):
+                sector, node.args[0], more = self._operand(argument, len(extras), is_read=not has_walrus)
+                operands.append(sector)
+                extras += more
+            else:
+                node.args[i] = self._sub(argument)
+        for keyword in node.keywords:
+            if keyword.arg == "sector" and not node.args:
+                sector, keyword.value, more = self._operand(keyword.value, len(extras), is_read=not has_walrus)
+                operands.append(sector)
+                extras += more
+            else:
+                keyword.value = self._sub(keyword.value)
+        noted: dict[str, Any] = {"extras": extras, "relation": node.func.attr, "operands": operands}
+        return self._wrap(node, kind, names=names, units=units, **noted)
+
+    def _operand(self, node: Any, extras: int, *, is_read: bool) -> tuple[Operand, Any, list[ast.expr]]:
+        """A side of a comparison, its node, and, of a local variable, what reads it after the comparison."""
+        text = self._text_of(node)
+        try:
+            return Operand(text, constant=ast.literal_eval(node)), node, []
+        except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
+            pass
+        if is_read and isinstance(node, ast.Name) and node.id in self._plain:
+            return Operand(text, extra=extras), node, [ast.copy_location(ast.Name(node.id, ast.Load()), node)]
+        if self._is_own(node):
+            made = self._noted(node)
+            return Operand(text, place=len(self.places) - 1), made, []
+        made = self._wrap(self._parts(node), OPERAND)
+        return Operand(text, place=len(self.places) - 1), made, []
+
+    def _wrap(
+        self,
+        node: Any,
+        kind: str,
+        *,
+        names: tuple[str, ...] = (),
+        units: tuple[str, ...] = (),
+        extras: Sequence[ast.expr] = (),
+        relation: str = "",
+        operands: Sequence[Operand] = (),
+        at: Any = None,
+    ) -> ast.expr:
+        """The call that notes the value of an expression."""
+        at = node if at is None else at
+        is_shown_there = kind in (COMPARE, OPERAND, RAYS)
+        line: int = at.lineno if is_shown_there else self._line
+        text = "" if kind in (MARK, PASS) else self._text_of(at)
+        end: tuple[int, int] = at.end_lineno or line, at.end_col_offset or 0
+        self.places.append(
+            NotedPlace(
+                kind, line, at.col_offset, *end, text, len(extras), names, units, relation, tuple(operands), self._loop
+            )
+        )
+        number = ast.copy_location(ast.Constant(len(self.places) - 1), at)
+        which = len(extras) + (0 if self._loop is None else MOST_EXTRAS + 1)
+        function = ast.copy_location(ast.Constant(_NOTES[which]), at)
+        return ast.copy_location(ast.Call(function, [number, node, *extras], []), at)
+
+    def _text_of(self, node: Any) -> str:
+        """The source of an expression in one line. Columns of nodes count bytes."""
+        lines = self._lines[node.lineno - 1 : node.end_lineno]
+        if not lines:
+            return ""
+        lines[-1] = lines[-1][: node.end_col_offset]
+        lines[0] = lines[0][node.col_offset :]
+        return " ".join(b"".join(lines).decode(errors="replace").split())
+
+
+def _has_no_value(node: Any) -> bool:
+    """Return True for a statement that computes nothing that is noted."""
+    if isinstance(node, ast.Raise):
+        return node.exc is None
+    if isinstance(node, ast.Expr):
+        return isinstance(node.value, ast.Constant)
+    if isinstance(node, (ast.If, ast.Assert)):
+        return isinstance(node.test, ast.Constant)
+    return isinstance(node, _WITHOUT_VALUE) or (isinstance(node, ast.Return) and node.value is None)
+
+
+def _reads_rays(node: Any) -> bool:
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in READS_RAYS
+
+
+def _names_of(targets: Iterable[Any]) -> tuple[str, ...]:
+    """The names that are assigned to, or the texts of attributes."""
+    names: list[str] = []
+    for target in targets:
+        if isinstance(target, (ast.Tuple, ast.List)):
+            names += _names_of(target.elts)
+        elif isinstance(target, ast.Starred):
+            names += _names_of([target.value])
+        else:
+            names.append(ast.unparse(target))
+    return tuple(names)
+
+
+def _units_of(value: Any) -> tuple[str, ...]:
+    """The unit of a value that is assigned, empty if it is not known."""
+    return ("m" if _reads_rays(value) and value.func.attr == "distance" else "",)
+
+
+def _parts_of(targets: Sequence[ast.expr], value: ast.expr) -> tuple[list[ast.expr], list[tuple[str, ...]]] | None:
+    """Of ``a, b = c, d`` its values, and the names of each, or None for any other assignment."""
+    target = targets[0]
+    if len(targets) > 1 or not isinstance(target, (ast.Tuple, ast.List)) or not isinstance(value, ast.Tuple):
+        return None
+    both = [*target.elts, *value.elts]
+    if len(target.elts) != len(value.elts) or any(isinstance(one, ast.Starred) for one in both):
+        return None
+    return value.elts, [_names_of([one]) for one in target.elts]
+
+
+def _first_line(node: Any) -> int:
+    if hasattr(node, "pattern"):
+        return int(node.pattern.lineno)
+    return int(min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", ()))]))
+
+
+def _end_of_body(node: Any) -> int:
+    return int(node.body[-1].end_lineno or node.lineno)

@@ -1,0 +1,259 @@
+"""The lines of a step as a view shows them: values with their units and rays, comparisons, counts, passes of loops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...samples import Ray, Scan
+from ...samples.sector import ALL_ROUND
+from .noting import CallNotes, Noted
+from .places import COMPARE, MARK, OPERAND, PASS, RAYS, TEST, VALUE, NotedPlace, Operand
+from .values import Glimpse, number_text, text_of
+from .watch import WatchedCall
+
+MOST_ROWS = 20
+"""Passes of a loop that are listed."""
+_MOST_DETAILS = 4
+"""Texts of a line in addition to its value."""
+
+NUMBER, FLAG, REACHED = "number", "flag", "reached"
+"""The kinds of levels that a line has over time: a number, True or False, or only that it was reached."""
+
+
+class RaysRead(NamedTuple):
+    """Rays that a line read: first and stop of each run of them, and the one that decided, -1 if that is not known."""
+
+    runs: tuple[int, ...]
+    nearest: int
+
+
+class LineValues(NamedTuple):
+    """A line that was reached, as it is shown.
+
+    Attributes:
+        number: its number in the function, from 0.
+        value: the text of its value, empty if it has none.
+        details: what else was computed in it.
+        times: how often it was reached.
+        kind: one of the kinds above.
+        level: the number, or 1 and 0 for True and False, or None if it is not finite.
+        rays: the rays that it read.
+    """
+
+    number: int
+    value: str = ""
+    details: tuple[str, ...] = ()
+    times: int = 1
+    kind: str = REACHED
+    level: float | None = None
+    rays: tuple[RaysRead, ...] = ()
+
+
+class Passes(NamedTuple):
+    """The first passes of a loop: the number of its line, a text for each pass, and how many there were."""
+
+    number: int
+    rows: tuple[str, ...]
+    times: int
+
+
+def lines_of(call: WatchedCall) -> list[LineValues]:
+    """Return the lines of a call that were reached, from top to bottom."""
+    notes = call.notes
+    if notes is None:
+        return []
+    by_line: dict[int, list[Noted]] = {}
+    for seen in notes.last.values():
+        by_line.setdefault(notes.source.places[seen.place].line, []).append(seen)
+    lines = []
+    for line, places in notes.source.reach.items():
+        if line == call.error_line or any(place in notes.last for place in places):
+            lines.append(_line(notes, line, by_line.get(line, [])))
+    return lines
+
+
+def levels_of(call: WatchedCall) -> dict[int, tuple[str, float | None]]:
+    """Return for each line that was reached, by its number from 0, what it has over time: faster than `lines_of`."""
+    notes = call.notes
+    if notes is None:
+        return {}
+    places, first = notes.source.places, notes.source.first
+    own: dict[int, list[Noted]] = {}
+    for seen in notes.last.values():
+        if places[seen.place].kind in (VALUE, TEST):
+            own.setdefault(places[seen.place].line, []).append(seen)
+    levels: dict[int, tuple[str, float | None]] = {}
+    for line, numbers in notes.source.reach.items():
+        if line == call.error_line or any(number in notes.last for number in numbers):
+            seen_there = own.get(line, [])
+            levels[line - first] = _level(seen_there[0].value) if len(seen_there) == 1 else (REACHED, 1.0)
+    return levels
+
+
+def _line(notes: CallNotes, line: int, seen: list[Noted]) -> LineValues:
+    places, number = notes.source.places, line - notes.source.first
+    own = sorted((one for one in seen if places[one.place].kind in (VALUE, TEST)), key=lambda one: one.place)
+    inner = [one for one in seen if places[one.place].kind in (COMPARE, OPERAND, RAYS)]
+    marks = [one for one in seen if places[one.place].kind in (MARK, PASS)]
+    count = max((notes.counts[one.place] for one in (own or marks or inner)), default=1)
+    if not own:
+        return LineValues(number, details=_details(notes, inner), times=count, rays=_rays(notes, inner))
+    main = own[-1]
+    place = places[main.place]
+    if len(own) > 1 and all(places[one.place].names for one in own):  # a, b = c, d
+        text = ", ".join(_named(places[one.place], one) for one in own)
+        return LineValues(number, text, _details(notes, inner), count, REACHED, 1.0, _rays(notes, [*own, *inner]))
+    # The value of an expression statement, such as print(), is of interest only if there is one.
+    text = "" if main.value is None and not place.names and place.kind == VALUE else _value(place, main.value)
+    details = _details(notes, [*([main] if place.relation else []), *inner])
+    kind, level = _level(main.value)
+    return LineValues(number, text, details, count, kind, level, _rays(notes, [*own, *inner]))
+
+
+def _value(place: NotedPlace, value: Any) -> str:
+    if len(place.names) > 1 and type(value) is Glimpse and len(value.parts) == len(place.names) == value.count:
+        return ", ".join(f"{name} {text_of(one)}" for name, one in zip(place.names, value.parts, strict=True))
+    unit = place.units[0] if len(place.units) == 1 else "m" if place.relation == "distance" else ""
+    return text_of(value, unit if type(value) in (float, int) else "")
+
+
+def _level(value: Any) -> tuple[str, float | None]:
+    if type(value) is bool:
+        return FLAG, float(value)
+    if type(value) is float or (type(value) is int and value.bit_length() < 100):
+        return NUMBER, float(value) if isfinite(value) else None
+    return REACHED, 1.0
+
+
+def _details(notes: CallNotes, seen: list[Noted]) -> tuple[str, ...]:
+    places = notes.source.places
+    sides = {side.place for one in places for side in one.operands if side.place is not None}
+    found = []
+    for one in sorted(seen, key=lambda one: one.place):
+        place = places[one.place]
+        if place.kind == OPERAND and one.place not in sides:
+            found.append(f"{', '.join(place.names) or place.text} is {text_of(one.value)}")
+        elif place.relation in ("distance", "nearest", "at"):
+            if place.kind == RAYS and one.place not in sides:
+                found.append(f"{_sector_text(place)} {_value(place, one.value)}".strip())
+        elif place.relation:
+            found.append(_comparison(notes, one))
+    return tuple(dict.fromkeys(found))[:_MOST_DETAILS]
+
+
+def _sector_text(place: NotedPlace) -> str:
+    return place.operands[1].text if len(place.operands) > 1 else "all around"
+
+
+def _comparison(notes: CallNotes, seen: Noted) -> str:
+    place = notes.source.places[seen.place]
+    left, right = (_side(notes, side, seen) for side in place.operands)
+    text = " ".join((*_sides(left, place.relation, right),))
+    # The value of a whole test stands before it.
+    return text if place.kind != COMPARE or type(seen.value) is not bool else f"{text} is {seen.value}"
+
+
+def _side(notes: CallNotes, side: Operand, seen: Noted) -> Any:
+    if side.extra is not None:
+        return seen.extras[side.extra] if side.extra < len(seen.extras) else Glimpse("?")
+    if side.place is not None:
+        noted = notes.last.get(side.place)
+        return noted.value if noted else Glimpse("?")
+    return side.constant
+
+
+def _sides(left: Any, relation: str, right: Any) -> Iterator[str]:
+    """Both sides of a comparison, with as many decimals as tell them apart."""
+    numbers = [type(one) is float and isfinite(one) for one in (left, right)]
+    plain = [type(one) in (float, int) and (type(one) is int or isfinite(one)) for one in (left, right)]
+    if all(plain) and any(numbers) and all(abs(one) < 1e6 for one in (left, right)):
+        decimals = next((n for n in range(2, 7) if left == right or f"{left:.{n}f}" != f"{right:.{n}f}"), 6)
+        yield from (number_text(float(left), decimals=decimals), relation, number_text(float(right), decimals=decimals))
+        return
+    yield from (text_of(left), relation, text_of(right))
+
+
+def _rays(notes: CallNotes, seen: list[Noted]) -> tuple[RaysRead, ...]:
+    found = []
+    for one in sorted(seen, key=lambda one: one.place):
+        place = notes.source.places[one.place]
+        if place.relation in ("distance", "nearest", "at") and place.operands:
+            scan = _side(notes, place.operands[0], one)
+            rays = rays_read(scan, place, one, notes) if type(scan) is Scan else None
+            if rays is not None:
+                found.append(rays)
+    return tuple(found)
+
+
+def rays_read(scan: Scan, place: NotedPlace, seen: Noted, notes: CallNotes) -> RaysRead | None:
+    """Return the rays of a scan that a call read, or None if they are not known."""
+    value = seen.value
+    if place.relation == "at":
+        return RaysRead((value.index, value.index + 1), value.index) if type(value) is Ray else None
+    sector: Any = ALL_ROUND
+    if len(place.operands) > 1:
+        sector = _side(notes, place.operands[1], seen)
+        if type(sector) is Glimpse:
+            if sector.count != len(sector.parts) or sector.brackets != "()":
+                return None
+            sector = sector.parts
+    try:
+        indices, nearest = np.sort(scan.indices(sector)), scan.nearest(sector)
+    except (TypeError, ValueError):  # the call raised it, too
+        return None
+    breaks = np.flatnonzero(np.diff(indices) > 1)
+    firsts, stops = indices[np.r_[0, breaks + 1]], indices[np.r_[breaks, -1]] + 1
+    runs = np.stack((firsts, stops), axis=1).ravel().tolist() if len(indices) else []
+    # A percentile is the distance of no ray.
+    is_its = nearest is not None and (type(value) is Ray or value == scan.distance(sector))
+    return RaysRead(tuple(runs), nearest.index if nearest is not None and is_its else -1)
+
+
+def passes_of(call: WatchedCall) -> list[Passes]:
+    """Return the passes of each loop of a call, from top to bottom."""
+    notes = call.notes
+    if notes is None or not notes.source.loops:
+        return []
+    source = notes.source
+    heads = {loop.line for loop in source.loops}
+    open_: dict[int, int] = {}
+    """By loop, the number of its pass that is under way."""
+    rows: dict[int, list[list[str]]] = {}
+    labels: dict[int, str] = {}
+    for seen in notes.seen:
+        place = source.places[seen.place]
+        if place.loop is None:
+            continue
+        if place.kind == PASS:
+            around = source.loops[place.loop].around
+            open_[place.loop] = open_.get(place.loop, 0) + 1
+            for inner, loop in enumerate(source.loops):
+                if loop.around == place.loop:
+                    open_[inner] = 0
+            prefix = f"{labels.get(around, '')}." if around is not None and around in labels else ""
+            labels[place.loop] = f"{prefix}{open_[place.loop]}"
+            text = f"{labels[place.loop]}:"
+            rows.setdefault(place.loop, []).append([text, *([_named(place, seen)] if place.names else [])])
+        elif place.kind in (VALUE, TEST) and place.line not in heads and rows.get(place.loop):
+            rows[place.loop][-1] += [_named(place, seen)] if place.names or seen.value is not None else []
+    passes = {place.loop: notes.counts.get(i, 0) for i, place in enumerate(source.places) if place.kind == PASS}
+    return [
+        Passes(
+            loop.line - source.first,
+            tuple(" \N{MIDDLE DOT} ".join(row).replace(": \N{MIDDLE DOT} ", ": ", 1) for row in rows[i][:MOST_ROWS]),
+            passes.get(i, len(rows[i])),
+        )
+        for i, loop in enumerate(source.loops)
+        if i in rows
+    ]
+
+
+def _named(place: NotedPlace, seen: Noted) -> str:
+    value = _value(place, seen.value)
+    if len(place.names) == 1:
+        return f"{place.names[0]} {value}"
+    return value if place.names else f"line {place.line} {value}" if place.kind == TEST else value

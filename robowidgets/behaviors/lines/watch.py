@@ -1,0 +1,210 @@
+"""Watching the steps of a program: each function that they call is rewritten once, and its notes are kept for views."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from threading import get_ident
+from types import TracebackType
+from typing import Any
+
+from .noting import CallNotes, Notebook
+from .places import FunctionSource
+from .rewriting import NotRewrittenError, Rewritten, rewritten
+
+MOST_STEPS = 600
+"""Steps that are kept for a view that has not taken them yet."""
+_MOST_FUNCTIONS = 200
+"""Functions that are kept in their rewritten form."""
+_MOST_CALLS = 50
+"""Calls of one step that are kept."""
+_SHOWN = (float, int, bool)
+"""Types of arguments that are kept with a step."""
+
+
+@dataclass(slots=True)
+class WatchedCall:
+    """One call of a function in a step.
+
+    Attributes:
+        source: of the function; without lines if it was not rewritten.
+        notes: its notes, or None if it was not rewritten.
+        why: the reason why it was not rewritten; empty if it was.
+        error: the error that ended it, empty without one.
+        error_line: the line in its file at which it ended, or None.
+    """
+
+    source: FunctionSource
+    notes: CallNotes | None
+    why: str = ""
+    error: str = ""
+    error_line: int | None = None
+
+
+@dataclass(slots=True, eq=False)
+class WatchedStep:
+    """One step of a program.
+
+    Attributes:
+        program: the name of the program, and the number of its version.
+        number: the number of the step.
+        time: the seconds of the program.
+        at: the monotonic time at which it began.
+        calls: the calls of the user's functions, in their order.
+        given: the numbers that the step got, with their parameters.
+    """
+
+    program: tuple[str, int]
+    number: int
+    time: float
+    at: float
+    calls: list[WatchedCall]
+    given: list[tuple[str, Any]]
+
+
+class LineWatch:
+    """Calls the functions of a program's steps, rewritten, and keeps what they noted.
+
+    The thread of the program only appends to lists. Views read the notes in their own time.
+
+    Attributes:
+        is_on: whether a view is there.
+    """
+
+    def __init__(self) -> None:
+        self.is_on = True
+        self.newest: WatchedStep | None = None
+        self._views: list[deque[WatchedStep]] = []
+        self._known: dict[int, _Known] = {}
+        self._lock = threading.Lock()
+        self._calls: list[WatchedCall] = []
+        """The calls of the step that runs, and the thread that makes it."""
+        self._thread = 0
+
+    def add_view(self) -> deque[WatchedStep]:
+        """Return a queue that gets each step from now on; the oldest are dropped if a view does not take them."""
+        queue: deque[WatchedStep] = deque(maxlen=MOST_STEPS)
+        self._views = [*self._views, queue]
+        self.is_on = True
+        return queue
+
+    def remove_view(self, queue: deque[WatchedStep]) -> None:
+        """Put no more steps into a queue."""
+        self._views = [one for one in self._views if one is not queue]
+        self.is_on = bool(self._views)
+
+    def step(
+        self,
+        program: tuple[str, int],
+        made_at: tuple[int, float],
+        function: Callable[..., Any],
+        values: Mapping[str, Any],
+    ) -> Any:
+        """Make a step: call its function, or let a state machine call the functions of its active states.
+
+        Args:
+            program: its name, and the number of its version.
+            made_at: the number of the step, and the seconds of the program.
+            function: the function, or the machine.
+            values: the arguments by name.
+        """
+        calls: list[WatchedCall] = []
+        self._calls, self._thread = calls, get_ident()
+        began = time.monotonic()
+        try:
+            if getattr(function, "calls_functions", False):
+                function.lines = self  # type: ignore[attr-defined]
+                return function(**values)
+            return self.call(function, values)
+        finally:
+            given = [(name, value) for name, value in values.items() if type(value) in _SHOWN]
+            number, seconds = made_at
+            step = self.newest = WatchedStep(program, number, seconds, began, calls, given)
+            for queue in self._views:
+                queue.append(step)
+
+    def call(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
+        """Call a function of the running step. What it raises passes through."""
+        calls = self._calls
+        if not self.is_on or self._thread != get_ident():  # the step was left behind, and another one runs
+            return function(**values)
+        known = self._known.get(id(function)) or self._rewrite(function)
+        ready = None
+        if known.rewritten is not None:
+            ready = known.ready.pop() if known.ready else known.made()
+        try:
+            result = function(**values) if ready is None else ready[0](**values)
+        except BaseException as error:
+            notes = None if ready is None else ready[1].take()
+            _add(calls, WatchedCall(known.source, notes, known.why, *_error_in(known.source, error)))
+            if ready is not None:
+                known.ready.append(ready)
+            raise
+        if ready is None:
+            _add(calls, WatchedCall(known.source, None, known.why))
+        else:
+            _add(calls, WatchedCall(known.source, ready[1].take()))
+            known.ready.append(ready)
+        return result
+
+    def _rewrite(self, function: Callable[..., Any]) -> _Known:
+        try:
+            found = rewritten(function)
+            known = _Known(function, found, found.source)
+        except NotRewrittenError as error:
+            known = _Known(function, None, _source_without_lines(function), str(error))
+        with self._lock:
+            while len(self._known) >= _MOST_FUNCTIONS:
+                del self._known[next(iter(self._known))]
+            self._known[id(function)] = known
+        return known
+
+
+def _add(calls: list[WatchedCall], call: WatchedCall) -> None:
+    if len(calls) < _MOST_CALLS:
+        calls.append(call)
+
+
+class _Known:
+    """A function, which is kept so that no other one gets its id, and its rewritten forms that are not at work."""
+
+    def __init__(
+        self, function: Callable[..., Any], found: Rewritten | None, source: FunctionSource, why: str = ""
+    ) -> None:
+        self.function, self.rewritten, self.source, self.why = function, found, source, why
+        self.ready: list[tuple[Callable[..., Any], Notebook]] = []
+
+    def made(self) -> tuple[Callable[..., Any], Notebook]:
+        """Another rewritten form: of a call that was left behind, the notes go where nothing reads them."""
+        assert self.rewritten is not None
+        notebook = Notebook(self.source)
+        return self.rewritten.bind(notebook.notes), notebook
+
+
+def _source_without_lines(function: Callable[..., Any]) -> FunctionSource:
+    inner = getattr(function, "func", function)
+    code = getattr(inner, "__code__", None)
+    name = str(getattr(inner, "__name__", type(inner).__name__))
+    return FunctionSource(name, code.co_filename if code else "", code.co_firstlineno if code else 0, ())
+
+
+def _error_in(source: FunctionSource, error: BaseException | None) -> tuple[str, int | None]:
+    """The text of an error, and the last line of a function at which it came."""
+    if error is None:
+        return "", None
+    line = None
+    traceback: TracebackType | None = error.__traceback__
+    end = source.first + max(1, len(source.texts))
+    while traceback is not None:
+        code = traceback.tb_frame.f_code
+        if code.co_filename == source.file and source.first <= traceback.tb_lineno < end:
+            line = traceback.tb_lineno
+        traceback = traceback.tb_next
+    try:
+        text = f"{type(error).__name__}: {error}"
+    except Exception:  # of the user's own class
+        text = type(error).__name__
+    return text[:300], line

@@ -1,0 +1,206 @@
+"""The program of a robot line by line: what each line computed in a step, which were reached, and how often."""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from typing import Any
+
+import traitlets
+
+from .behaviors.lines.packed import Totals, calls_by_function, key_of, packed_function, packed_step, spread
+from .behaviors.lines.watch import WatchedStep
+from .behaviors.program import Program
+from .behaviors.programs import Programs
+from .runtime.platform_fixes import route_by_message
+from .widget.front_end import bundle
+from .widget.pacer import pacer
+from .widget.robot_widget import RobotWidget
+from .widget.traits import Flag
+
+MOST_BETWEEN = 6
+"""Steps that a frame has at most: the newest one, and some of those since the frame before."""
+
+
+class LinesWidget(RobotWidget[WatchedStep]):
+    """The source of the program that drives a robot, and next to each line the values of its newest step.
+
+    A line shows its value with its unit, the ray that decided, and what was compared; how often it was reached, and
+    whether it was; and a small graph of the last seconds. A loop has a row for each pass. Of a failed step it shows the
+    line, and the values that led there. Of a state machine it shows the functions that the step called.
+
+    Each step is noted while a widget is there: the program's functions are rewritten so that they note what they
+    compute. Frozen, it steps back through single steps.
+
+    Args:
+        robot: a feed.
+        title: for the header, or empty for the name of the program.
+        folded: whether only one line is shown.
+        paused: whether the picture is frozen.
+        history: seconds for which the page keeps steps to go back through, 0 (none) to 600.
+        header, footer: whether they are there.
+
+    Raises:
+        TypeError: no feed, or an unknown keyword.
+        traitlets.TraitError: a value out of its range.
+
+    Examples:
+        >>> from robowidgets import feeds
+        >>> with feeds.simulator(wander=False) as robot:
+        ...     widget = LinesWidget(robot)
+        >>> widget.step is None
+        True
+    """
+
+    _esm, _css = bundle("lines_widget")
+    _unnamed = 1
+
+    folded = Flag(False, help="Whether only one line is shown. Python and the view write it.").tag(sync=True)
+
+    column = "wide"
+    sample_name = "step"
+    goes_stale = False
+    beats = True
+    send_interval = 0.1
+    """Seconds between two messages, at least, as fast as it can be read."""
+
+    _code = traitlets.Dict(help="Name and version of a program, and its functions that were called.").tag(
+        sync=True, echo_update=False
+    )
+
+    def __init__(self, robot: Any, **kwargs: Any) -> None:
+        programs = getattr(robot, "programs", None)
+        if not isinstance(programs, Programs):
+            raise TypeError(f"LinesWidget(): expected a feed, got {robot!r}")
+        self._programs = programs
+        self._queue: deque[WatchedStep] = deque()
+        self._totals = Totals()
+        self._version: tuple[str, int] | None = None
+        self._functions: dict[str, dict[str, Any]] = {}
+        self._packed: tuple[WatchedStep | None, bytes] = (None, b"")
+        self._between: list[WatchedStep] = []
+        """The steps of the next frame."""
+        self._robot = robot.connection.page_name
+        self._named = ""
+        """The name of the program after which it is named."""
+        self._mode: tuple[Any, ...] = ()
+        super().__init__(**kwargs)
+        self._queue = programs.watch_lines()
+        self.freeze_with_robot()
+        self._source = {"robot": self._robot, "status": "waiting for a step of a program"}
+        programs.observe(self._on_step)
+        self._on_step()
+
+    def open(self) -> None:
+        """Connect to the page."""
+        super().open()
+        route_by_message(self.comm)
+
+    def freeze_with_robot(self) -> None:
+        """Freeze it with all widgets of the robot on the page, and them with it."""
+        self._together = self._robot
+
+    @property
+    def step(self) -> WatchedStep | None:
+        """The newest step, or None before the first one."""
+        lines = self._programs.lines
+        return lines.newest if lines is not None else None
+
+    def close(self) -> None:
+        """Remove the widget from the page; the program goes on."""
+        if "_programs" in vars(self):  # else the constructor raised before it had them
+            self._programs.unobserve(self._on_step)
+            self._programs.unwatch_lines(self._queue)
+            super().close()
+
+    def _describe(self) -> str:
+        step = self.step
+        return f"step {step.number} of {step.program[0]}" if step else ""
+
+    def _on_step(self) -> None:
+        """Mark this widget for the pacer: the thread of the program, which calls this, does no more for it."""
+        program = self._programs.current
+        if program is not None and program.name != self._named:
+            self._named = program.name
+            self.name_after(program.name)
+        pacer.mark(self)
+
+    def _bring_up_to_date(self) -> None:
+        """See `FreezableWidget`: take the steps that came, first."""
+        with self._send_lock:
+            self._take_steps()
+            super()._bring_up_to_date()
+
+    def _take_steps(self) -> None:
+        steps = []
+        while self._queue:
+            steps.append(self._queue.popleft())
+        program = self._programs.current
+        if program is not None:
+            self._tell_mode(program)
+        if not steps:
+            return
+        newest = steps[-1]
+        if newest.program != self._version:
+            self._version, self._totals, self._functions = newest.program, Totals(), {}
+        steps = [step for step in steps if step.program == self._version]
+        self._totals.add(steps)
+        self._between = [*self._between, *steps]
+        self._note_functions(steps)
+        with self._newest.lock:
+            self._newest.put(newest, {}, counts=True)
+            self._newest.arrived = newest.at
+
+    def _tell_mode(self, program: Program) -> None:
+        """Show that a program waits, has failed or has ended, though no step came."""
+        source = {"robot": self._robot, "status": "" if self._newest.sample else "waiting for a step of a program"}
+        if source != self._source:
+            self.set_source(source)
+        mode = program.mode, program.error, program.version.number
+        if mode != self._mode:
+            self._mode = mode
+            with self._newest.lock:
+                self._newest.changed = True
+
+    def _note_functions(self, steps: list[WatchedStep]) -> None:
+        found = len(self._functions)
+        for step in steps:
+            for call in step.calls:
+                if key_of(call.source) not in self._functions:
+                    self._functions[key_of(call.source)] = packed_function(call)
+        name, number = self._version or ("", 0)
+        if len(self._functions) != found or self._code.get("key") != f"{name} {number}":
+            self._trait_values["_code"] = {
+                "key": f"{name} {number}",
+                "name": name,
+                "version": number,
+                "functions": sorted(self._functions.values(), key=lambda function: int(function["first"])),
+            }
+            self.send_state("_code")
+
+    def _about_sample(self, sample: WatchedStep) -> dict[str, Any]:
+        program = self._programs.current
+        if program is None:
+            return {}
+        is_current = (program.name, program.version.number) == sample.program
+        # An error of no line of the program, such as a step that does not return.
+        said = program.error if is_current and not any(call.error for call in calls_by_function(sample)) else ""
+        return {
+            "mode": program.mode if is_current else "replaced",
+            "version": sample.program[1],
+            "failure": said,
+        }
+
+    def _pack(self, sample: WatchedStep) -> bytes:
+        if self._packed[0] is not sample:
+            steps = spread(self._between or [sample], MOST_BETWEEN) if not self.folded else [sample]
+            self._between = []
+            name, number = sample.program
+            packed = {
+                "key": f"{name} {number}",
+                "steps": [packed_step(step) for step in steps],
+                "total": self._totals.steps,
+                "totals": self._totals.packed(),
+            }
+            self._packed = sample, json.dumps(packed).encode()
+        return self._packed[1]

@@ -1,0 +1,492 @@
+"""The lines of a function over a recording: their values at any moment, and when a line was reached, or true."""
+
+from __future__ import annotations
+
+import inspect
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from difflib import SequenceMatcher
+from html import escape
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ...behaviors.drive import Drive
+from ...behaviors.lines.shown import FLAG, LineValues, levels_of, lines_of, passes_of
+from ...behaviors.lines.values import glimpse, text_of
+from ...behaviors.lines.watch import LineWatch, WatchedCall, WatchedStep
+from ...behaviors.program import Program
+from ...behaviors.robot import GIVEN, ODOMETRY
+from ...behaviors.simulation import ProgramRun
+from ...behaviors.version import RATE
+from ...notebook.progress import Progress, without_bars
+from ...runtime.tables import Table
+from ...samples.checks import finite
+from ..span import Span
+from ._search import Search
+from ._steps import NO, YES, spans, steps
+from ._stops import StopsCondition
+from .base import names_of, topics_to_read
+from .instant import Instant, NoSampleYetError, Now, samples_of, together
+from .spans import Spans
+
+if TYPE_CHECKING:
+    from .. import RecordingData
+
+_WIDEST = 60
+"""Characters of code in front of values."""
+_SHOWN = 20
+
+
+class _Made(NamedTuple):
+    """A step that was made: its time, what was noted, what it returned, and whether it raised an error."""
+
+    time_ns: int
+    step: WatchedStep
+    returned: Any
+    failed: bool
+
+
+class StepText:
+    """The lines of one step, printed as text: each line of code with its values.
+
+    Attributes:
+        seconds: the time of the step, from the start of the recording.
+        returned: the value that the function returned, or None if it failed.
+        error: the error that ended it, empty without one.
+    """
+
+    def __init__(self, seconds: float, made: _Made) -> None:
+        self.seconds, self.returned = seconds, made.returned
+        self._calls = made.step.calls
+        self.error = next((call.error for call in self._calls if call.error), "")
+
+    def __getitem__(self, line: int) -> str:
+        """The value of a line, by its number in the file or the cell; empty if it was not reached, or has none."""
+        for call in self._calls:
+            for values in lines_of(call):
+                if call.source.first + values.number == line:
+                    return values.value
+        return ""
+
+    def __repr__(self) -> str:
+        return "\n".join((f"at {self.seconds:.2f} s", *(text for call in self._calls for text in _texts(call))))
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(repr(self))}</pre>"
+
+
+class RecordedLines:
+    """A function, and what each of its lines was over a recording; printed, a table of its lines.
+
+    `Recording.lines` makes it. A function of samples or of one moment is called at each of them; one that takes more of
+    what a program gets, and a program, is stepped through time. Of each step only a number for each line is kept: the
+    values of a moment are computed again when they are asked for.
+
+    Attributes:
+        seconds: the times of its steps, from the start of the recording.
+        error: the error that ended it, with its time; empty without one.
+    """
+
+    def __init__(self, recording: RecordingData, function: Any, rate: float, topics: Any) -> None:
+        self._walker = _Walker(recording, function, rate, topics)
+        self._start_ns = recording.start_ns or 0
+        self._end_ns = self._start_ns
+        self._levels: list[dict[int, tuple[str, float | None]]] = []
+        self._times: list[int] = []
+        self.error = ""
+        self._source: WatchedCall | None = None
+        for made in self._walker.walk():
+            self._times.append(made.time_ns)
+            levels: dict[int, tuple[str, float | None]] = {}
+            for call in made.step.calls:
+                self._source = self._source or call
+                levels.update({call.source.first + line: level for line, level in levels_of(call).items()})
+            self._levels.append(levels)
+            if made.failed:
+                error = next((call.error for call in made.step.calls if call.error), "an error")
+                self.error = f"{error} at {(made.time_ns - self._start_ns) / 1e9:.2f} s"
+        self._end_ns = self._walker.end_ns
+        self.seconds = (np.array(self._times, np.int64) - self._start_ns) / 1e9
+
+    def __len__(self) -> int:
+        return len(self._times)
+
+    def at(self, seconds: float) -> StepText:
+        """Return the lines of the last step up to a time, computed again.
+
+        Raises:
+            ValueError: the time is before the first step. TypeError: the time is not a number.
+        """
+        time_ns = self._start_ns + round(finite("seconds", seconds, "seconds from the start") * 1e9)
+        index = bisect_right(self._times, time_ns) - 1
+        if index < 0:
+            first = f"the first one is at {self.seconds[0]:.2f} s" if self._times else "there is none"
+            raise ValueError(f"seconds: no step was made up to {seconds:g} s; {first}")
+        made = self._walker.make(index)
+        return StepText(float(self.seconds[index]), made)
+
+    def when(self, line: int) -> Spans:
+        """Return the spans in which a line was true; of a line that is not a condition, in which it was reached.
+
+        Args:
+            line: the number of the line in its file or cell, as errors and the table name it.
+
+        Raises:
+            ValueError: no code is on this line, or it was in no step.
+        """
+        known = sorted({number for levels in self._levels for number in levels})
+        reachable = sorted(self._lines_of_code())
+        if line not in (*known, *reachable):
+            there = f"{reachable[0]} to {reachable[-1]}" if reachable else "none"
+            raise ValueError(f"line: expected the number of a line with code, {there}, got {line!r}")
+        is_flag = any(levels.get(line, ("", None))[0] == FLAG for levels in self._levels)
+        values = [YES if level is not None and (not is_flag or level == 1.0) else NO for level in self._over(line)]
+        found = [
+            Span((a - self._start_ns) / 1e9, (b - self._start_ns) / 1e9, (b - a) / 1e9, a, b)
+            for a, b in spans(steps(self._times, values), self._end_ns)
+        ]
+        return Spans(f"line {line} was {'true' if is_flag else 'reached'}", found)
+
+    def _over(self, line: int) -> Iterator[float | None]:
+        """The level of a line at each step, or None if it was not reached."""
+        for levels in self._levels:
+            yield None if line not in levels else levels[line][1] if levels[line][1] is not None else np.nan
+
+    def _lines_of_code(self) -> list[int]:
+        return [] if self._source is None else [*self._source.source.reach]
+
+    def __repr__(self) -> str:
+        return self._table().to_text()
+
+    def _repr_html_(self) -> str:
+        return self._table().to_html()
+
+    def _table(self) -> Table:
+        call = self._source
+        if call is None:
+            return Table(f"{self._walker.name}: no step, as a sample that it reads never came", (), ())
+        rows = []
+        for number, text in enumerate(call.source.texts, call.source.first):
+            reached = [level for level in self._over(number) if level is not None]
+            is_flag = any(levels.get(number, ("", None))[0] == FLAG for levels in self._levels)
+            true = f"{sum(level == 1.0 for level in reached):,}" if is_flag else ""
+            is_code = number in call.source.reach
+            indent = len(text) - len(text.lstrip())
+            code = "\N{NO-BREAK SPACE}" * indent + text.lstrip()  # a page would leave out spaces
+            rows.append((str(number), code, f"{len(reached):,}" if is_code else "", true))
+        why = [f"it runs as it is, and shows no values: {call.why}"] if call.why else []
+        heading = f"{self._walker.name}: {len(self):,} steps"
+        problems = [self.error] if self.error else []
+        return Table(heading, ("line", "code", "reached", "true"), rows, right=(0, 2, 3), notes=why, problems=problems)
+
+
+class Decision(NamedTuple):
+    """A span in which two versions decided otherwise.
+
+    Attributes:
+        start, end, seconds: the span, from the start of the recording.
+        line: the number of the first line of the new version that was otherwise, or None if it is not known.
+        old_value, new_value: the text of this line in both versions, "not reached" if it was not.
+        old, new: the values that both returned at the start of the span, or the errors that they raised.
+    """
+
+    start: float
+    end: float
+    seconds: float
+    line: int | None
+    old_value: str
+    new_value: str
+    old: Any
+    new: Any
+
+
+class Decisions(Sequence[Decision]):
+    """A table of the spans in which two versions of a function decided otherwise; see `decisions`.
+
+    Attributes:
+        spans: the same spans as `Recording.find` returns them.
+        steps: the number of steps that were compared, and of those in which they decided otherwise.
+    """
+
+    def __init__(self, name: str, found: Sequence[Decision], start_ns: int, steps_: tuple[int, int]) -> None:
+        self._name, self._found, self.steps = name, tuple(found), steps_
+        ends = ((round(one.start * 1e9) + start_ns, round(one.end * 1e9) + start_ns) for one in found)
+        rows = [Span(one.start, one.end, one.seconds, a, b) for one, (a, b) in zip(found, ends, strict=True)]
+        self.spans = Spans(f"{name} decides otherwise", rows)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._found[index]
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def __repr__(self) -> str:
+        return self._table().to_text()
+
+    def _repr_html_(self) -> str:
+        return self._table().to_html()
+
+    def _table(self) -> Table:
+        compared, otherwise = self.steps
+        heading = f"{self._name}: decided otherwise in {otherwise:,} of {compared:,} steps"
+        rows = [
+            (
+                f"{one.start:.2f}", f"{one.end:.2f}", f"{one.seconds:.2f}", "" if one.line is None else str(one.line),
+                one.old_value, one.new_value, _short(one.old), _short(one.new),
+            )
+            for one in self._found[:_SHOWN]
+        ]  # fmt: skip
+        more = [f"  ... and {len(self) - _SHOWN:,} more"] if len(self) > _SHOWN else []
+        heads = ("start", "end", "seconds", "line", "old value", "new value", "old", "new")
+        return Table(heading, heads, rows, right=range(4), notes=more)
+
+
+def decisions(
+    old: Any, new: Any, recording: RecordingData, *, rate: float = RATE, topics: str | Iterable[str] | None = None
+) -> Decisions:
+    """Return the spans in which a new version of a function would have decided otherwise over a recording.
+
+    Both are called at the same moments, each with a state of its own, as `Recording.lines` calls them. What the robot
+    did is what was recorded: a speed that one of them asks for changes nothing that they get.
+
+    Args:
+        old: one version: a program, or a function of samples or of one moment.
+        new: the other one.
+        recording: the recording.
+        rate: steps a second of functions that are stepped through time.
+        topics: the topics that a function of one moment may read, or None for all that a widget shows.
+
+    Examples:
+        >>> import robowidgets
+        >>> recording = robowidgets.open(robowidgets.SAMPLE)
+        >>> near = lambda limit: lambda scan: scan.distance("front") < limit
+        >>> len(robowidgets.decisions(near(0.5), near(0.5), recording))
+        0
+    """
+    first, second = _Walker(recording, old, rate, topics), _Walker(recording, new, rate, topics)
+    start_ns = recording.start_ns or 0
+    by_time = {made.time_ns: made for made in first.walk()}
+    is_drive = any(isinstance(made.returned, Drive) for made in by_time.values())
+    kept: list[Any] = [None, None]
+    found: list[Decision] = []
+    open_since: _Pair | None = None
+    compared = otherwise = 0
+    for made in second.walk():
+        before = by_time.get(made.time_ns)
+        if before is None:
+            continue
+        compared += 1
+        for i, one in enumerate((before, made)):
+            # A step that returns None keeps the speed.
+            if one.failed or one.returned is not None or not is_drive:
+                kept[i] = _outcome(one)
+        differs = _differ(*kept)
+        otherwise += differs
+        if differs and open_since is None:
+            open_since = _Pair(before, made, *kept)
+        elif not differs and open_since is not None:
+            found.append(_decision(open_since, made.time_ns, start_ns))
+            open_since = None
+    if open_since is not None:
+        found.append(_decision(open_since, second.end_ns, start_ns))
+    return Decisions(second.name, found, start_ns, (compared, otherwise))
+
+
+class _Pair(NamedTuple):
+    old: _Made
+    new: _Made
+    old_outcome: Any
+    new_outcome: Any
+
+
+def _outcome(made: _Made) -> Any:
+    if made.failed:
+        return next((call.error for call in made.step.calls if call.error), "an error")
+    return made.returned
+
+
+def _differ(one: Any, other: Any) -> bool:
+    """Return True if two outcomes are different: also of values such as rays, whose arrays have no single answer."""
+    if type(one) in (float, int, bool, str, Drive, type(None)) and type(one) is type(other):
+        return bool(one != other) and not (one != one and other != other)
+    return _short(one) != _short(other)
+
+
+def _short(value: Any) -> str:
+    return text_of(glimpse(value))
+
+
+def _decision(pair: _Pair, end_ns: int, start_ns: int) -> Decision:
+    start, end = ((one - start_ns) / 1e9 for one in (pair.new.time_ns, end_ns))
+    line, old_value, new_value = _first_difference(pair.old.step, pair.new.step)
+    return Decision(start, end, end - start, line, old_value, new_value, pair.old_outcome, pair.new_outcome)
+
+
+def _first_difference(old: WatchedStep, new: WatchedStep) -> tuple[int | None, str, str]:
+    """The first line of the new version whose value was otherwise, and both values."""
+    for before, after in zip(old.calls, new.calls, strict=False):
+        values = [{line.number: line for line in lines_of(call)} for call in (before, after)]
+        one, other = ([text.strip() for text in call.source.texts] for call in (before, after))
+        same: dict[int, int] = {}
+        for tag, a, b, c, d in SequenceMatcher(None, one, other, autojunk=False).get_opcodes():
+            if tag in ("equal", "replace") and b - a == d - c:
+                same.update(zip(range(c, d), range(a, b), strict=True))
+        for number in range(len(after.source.texts)):
+            if number in same and number + after.source.first in after.source.reach:
+                old_text, new_text = (_value_text(values[i].get(n)) for i, n in enumerate((same[number], number)))
+                if old_text != new_text:
+                    return number + after.source.first, old_text, new_text
+    return None, "", ""
+
+
+def _value_text(line: LineValues | None) -> str:
+    return (
+        "not reached" if line is None else " ".join(filter(None, (line.value, " \N{MIDDLE DOT} ".join(line.details))))
+    )
+
+
+class _Walker:
+    """Makes the steps of a function over a recording."""
+
+    def __init__(self, recording: RecordingData, function: Any, rate: float, topics: Any) -> None:
+        self._recording, self._function, self._topics = recording, function, topics
+        own = function.version if isinstance(function, Program) else None
+        self._is_program = _is_program(function)
+        if self._is_program:
+            self._stepped = StopsCondition(function, own.rate if own else rate)
+            self.name = str(self._stepped).removesuffix(" stops")
+        else:
+            self._names = names_of(function)
+            self.name = str(getattr(function, "__name__", type(function).__name__))
+        self.end_ns = recording.start_ns or 0
+
+    def walk(self) -> Iterator[_Made]:
+        """Make all steps, up to one that fails."""
+        return self._walk(lambda _: True)
+
+    def make(self, index: int) -> _Made:
+        """Make a step again; before it, those on which it may rest."""
+        # A function of samples knows of nothing before.
+        wanted = (lambda _: True) if self._is_program else (lambda number: number >= index)
+        made = self._walk(wanted)
+        return next(one for number, one in enumerate(made, 0 if self._is_program else index) if number == index)
+
+    def _walk(self, is_wanted: Callable[[int], bool]) -> Iterator[_Made]:
+        watch = LineWatch()
+        watch.add_view().clear()
+        with Progress(0, "Reading", " samples") as bar, without_bars():
+            search = Search(self._recording, self._topics, bar)
+            self.end_ns = search.end_ns
+            yield from self._walk_program(search, watch) if self._is_program else self._walk_moments(watch, is_wanted)
+
+    def _walk_program(self, search: Search, watch: LineWatch) -> Iterator[_Made]:
+        run = ProgramRun(self._function)
+        run.lines = watch
+        for time_ns, seconds, samples in self._stepped.moments(search, run):
+            if samples is None:
+                continue
+            failed = False
+            try:
+                run.step(seconds, samples)
+            except NoSampleYetError:
+                continue
+            except Exception:  # it is shown on its line
+                failed = True
+            if watch.newest is not None and (made := self._made(time_ns, watch, run.returned, failed)):
+                yield made
+            if failed:
+                return
+
+    def _walk_moments(self, watch: LineWatch, is_wanted: Callable[[int], bool]) -> Iterator[_Made]:
+        recording = self._recording
+        topics = topics_to_read(recording, self._topics)
+        now = Now(recording.start_ns or 0)
+        instant = Instant(recording.path.name, topics, now, recording.preferred)
+        number = 0
+        used: set[str] | None = None
+        for time_ns, samples in together({topic.name: samples_of(recording, topic.name) for topic in topics}):
+            now.put(time_ns, samples)
+            # Only what it read last time may change what it says.
+            if used is not None and used.isdisjoint(samples):
+                continue
+            made = self._step_at(time_ns, instant, now, watch, number, is_wanted(number))
+            if made is None:
+                continue
+            used = {*now.read} - {""} if "" not in now.read else None
+            number += 1
+            if isinstance(made, _Made):
+                yield made
+                if made.failed:
+                    return
+
+    def _step_at(
+        self, time_ns: int, instant: Instant, now: Now, watch: LineWatch, number: int, is_wanted: bool
+    ) -> _Made | bool | None:
+        """Return a step, True if it is not wanted but would be made, or None if a sample is missing."""
+        now.read.clear()
+        returned, failed = None, False
+        function = self._function
+        names = self._names
+        try:
+            given = {name: getattr(instant, name) for name in names}
+        except NoSampleYetError:
+            return None
+        if not is_wanted and names:
+            return True
+        try:
+            returned = watch.step((self.name, 0), (number + 1, now.seconds), *_arguments(function, given, instant))
+        except NoSampleYetError:
+            return None
+        except Exception:  # it is shown on its line
+            failed = True
+        made = self._made(time_ns, watch, returned, failed)
+        return made if is_wanted else True
+
+    @staticmethod
+    def _made(time_ns: int, watch: LineWatch, returned: Any, failed: bool) -> _Made | None:
+        step = watch.newest
+        return None if step is None else _Made(time_ns, step, None if failed else returned, failed)
+
+
+def _arguments(function: Any, given: dict[str, Any], instant: Instant) -> tuple[Any, dict[str, Any]]:
+    """A function with its arguments by name; of one moment, by the name that it has there."""
+    if given:
+        return function, given
+    first = next(iter(inspect.signature(function).parameters))
+    return function, {first: instant}
+
+
+def _is_program(function: Any) -> bool:
+    """Return True if a function is stepped through time: it takes more than samples, or is a program or a machine."""
+    if isinstance(function, (Program, type)) or hasattr(function, "asks_for"):
+        return True
+    try:
+        parameters = inspect.signature(function).parameters
+    except (TypeError, ValueError):
+        return False
+    return any(name in (*GIVEN, *ODOMETRY) for name in parameters) or not parameters
+
+
+def _texts(call: WatchedCall) -> Iterator[str]:
+    """Each line of a call with its values, and the passes of its loops."""
+    source = call.source
+    values = {line.number: line for line in lines_of(call)}
+    passes = {one.number: one for one in passes_of(call)}
+    width = min(_WIDEST, max((len(text) for text in source.texts), default=0))
+    if call.why:
+        yield f"  {source.name} runs as it is, and shows no values: {call.why}"
+    for number, text in enumerate(source.texts):
+        line = values.get(number)
+        said = ""
+        if call.error_line == number + source.first:
+            said = f"! {call.error}"
+        elif line is not None:
+            indices = " ".join(f"[{rays.nearest}]" for rays in line.rays if rays.nearest >= 0)
+            times = f"×{line.times}" if line.times > 1 else ""
+            said = "  ".join(filter(None, (line.value, indices, " \N{MIDDLE DOT} ".join(line.details), times)))
+        elif number + source.first in source.reach:
+            said = "not reached"
+        yield f"{number + source.first:4}  {text.ljust(width)}  {said}".rstrip()
+        if number in passes:
+            yield from (f"{'':{width + 6}}  {row}" for row in passes[number].rows)

@@ -1,0 +1,60 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { stretchesOf } from "../../robowidgets/js/lines/graph.ts";
+import { tokensOf } from "../../robowidgets/js/lines/python.ts";
+import { type Line, type Step, type Steps, tracesOf } from "../../robowidgets/js/lines/steps.ts";
+
+test("the parts of a line of Python are all of its text", () => {
+  const line = `    def f(x=0.5, *a): return "a # b" if x != 1e-3 else r'\\d'  # why "not"`;
+  const tokens = tokensOf(line);
+  assert.equal(tokens.map(([, text]) => text).join(""), line);
+  const of = (kind: string) => tokens.filter(([one]) => one === kind).map(([, text]) => text);
+  assert.deepEqual(of("word"), ["def", "return", "if", "else"]);
+  assert.deepEqual(of("name"), ["f"]);
+  assert.deepEqual(of("text"), ['"a # b"', "r'\\d'"]);
+  assert.deepEqual(of("comment"), ['# why "not"']);
+  assert.deepEqual(of("number"), ["0.5", "1e", "3"]);
+});
+
+test("letters of any language, an open text and odd signs stay as they are", () => {
+  for (const line of ["größe = 'ü☃", '\tx = """a', "x = a\\", "", "é$?"]) {
+    assert.equal(
+      tokensOf(line)
+        .map(([, text]) => text)
+        .join(""),
+      line,
+    );
+  }
+});
+
+function frameOf(key: string, ...levels: (number | null)[]): Steps {
+  const steps = levels.map((level, i): Step => {
+    const line: Line = [1, "", [], 1, "number", level, []];
+    const lines = level === null ? [] : [line];
+    return { number: i, time: i, at: i, given: [], calls: [{ key: "f 1", lines, loops: [], error: null }] };
+  });
+  return { sequence: 1, rate: NaN, arrived: 0, key, steps, total: levels.length, totals: {} };
+}
+
+test("a trace has the levels of one version since a time, and a gap where its line was not reached", () => {
+  const traces = tracesOf([frameOf("a 1", 9), frameOf("a 2", 0, 5, null, null, 7)], "a 2", 1);
+  assert.deepEqual(traces.get("f 1:1"), [
+    [1, 5],
+    [4, null],
+    [4, 7],
+  ]);
+});
+
+test("neighbouring stretches are one, and a pause ends a stretch", () => {
+  const stretches = stretchesOf([
+    [0, 1],
+    [0.5, 1],
+    [1, 0],
+    [5, 1],
+    [9, null],
+  ]);
+  assert.deepEqual(stretches, [
+    [0, 1],
+    [5, 6],
+  ]);
+});

@@ -1,0 +1,137 @@
+"""The lines of a step as a view shows them."""
+
+from __future__ import annotations
+
+import itertools
+import linecache
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robowidgets.behaviors import Drive
+from robowidgets.behaviors.lines.packed import Totals, packed_step, spread
+from robowidgets.behaviors.lines.shown import FLAG, NUMBER, REACHED, LineValues, lines_of, passes_of
+from robowidgets.behaviors.lines.watch import LineWatch, WatchedStep
+from robowidgets.samples import Scan
+
+NUMBERS = itertools.count()
+SCAN = Scan(
+    np.array([3.0, 2.0, 1.0, 2.0, 0.6], np.float32), angle_min=-1.0, angle_increment=0.5, range_min=0.1, range_max=4.0
+)
+
+
+def step_of(body: str, **values: Any) -> WatchedStep:
+    """The step of a function with this body."""
+    text = f"def step({', '.join(values)}):\n" + "".join(f"    {line}\n" for line in body.splitlines())
+    file = f"<shown {next(NUMBERS)}>"
+    linecache.cache[file] = len(text), None, text.splitlines(keepends=True), file
+    namespace: dict[str, Any] = {"Drive": Drive}
+    exec(compile(text, file, "exec", dont_inherit=True), namespace)
+    watch = LineWatch()
+    watch.add_view()
+    with suppress(ZeroDivisionError):
+        watch.step(("step", 1), (1, 0.5), namespace["step"], values)
+    assert watch.newest
+    return watch.newest
+
+
+def lines(body: str, **values: Any) -> dict[int, LineValues]:
+    """The lines of a function with this body, its first line being 1."""
+    (call,) = step_of(body, **values).calls
+    return {line.number: line for line in lines_of(call)}
+
+
+def test_a_distance_has_its_unit_and_its_ray() -> None:
+    found = lines("front = scan.distance(('-40deg', '40deg'))\nwhole = scan.distance()\nray = scan.at(0.0)", scan=SCAN)
+    assert found[1] == LineValues(1, "1.00 m", kind=NUMBER, level=1.0, rays=(((1, 4), 2),))
+    assert found[2].value == "0.60 m"
+    assert found[2].rays == (((0, 5), 4),)
+    assert (found[3].value, found[3].rays) == ("ray [2]", (((2, 3), 2),))
+
+
+def test_a_percentile_is_the_distance_of_no_ray_and_a_sector_may_be_in_two_parts() -> None:
+    all_round = Scan(np.ones(8, np.float32), angle_min=-3.1, angle_increment=0.8, range_min=0.1, range_max=4.0)
+    found = lines("a = scan.distance('back')\nb = scan.distance('left', percentile=50)", scan=all_round)
+    assert len(found[1].rays[0].runs) == 4
+    found = lines("b = scan.distance(percentile=50)", scan=SCAN)
+    assert found[1].rays == (((0, 5), -1),)
+
+
+def test_a_scan_of_a_moment_is_known_too_and_the_sector_may_be_computed() -> None:
+    body = "sides = 'left', 'right'\nd = [scan][0].distance(sides[1])\nside = 'right'\ne = scan.distance(side)"
+    found = lines(body, scan=SCAN)
+    assert found[2].rays == found[4].rays != ()
+
+
+def test_a_test_shows_what_was_compared_and_the_other_branch_is_not_there() -> None:
+    found = lines("if a < b:\n    return 1\nelse:\n    c = 2\nreturn Drive(0, -0.8)", a=0.42171, b=0.42169)
+    assert found[1] == LineValues(1, "False", ("0.42171 < 0.42169",), kind=FLAG, level=0.0)
+    assert 2 not in found
+    assert found[3].kind == REACHED
+    assert found[5].value == "Drive(0, −0.8)"
+
+
+def test_parts_of_a_condition_are_shown() -> None:
+    found = lines("if a < 1 and go and not (b == 'x'):\n    pass\nx = 1 if a > b_ else 2", a=0.5, go=True, b="y", b_=1)
+    assert found[1].details == ("0.50 < 1.00 is True", "go is True", "'y' = 'x' is False")
+    assert found[3] == LineValues(3, "2", ("0.50 > 1.00 is False",), kind=NUMBER, level=2.0)
+
+
+def test_several_names_have_their_values() -> None:
+    found = lines("left, right = scan.distance((0.9, 1.1)), scan.distance((-1.1, -0.9))\na, b = 1, 'x'", scan=SCAN)
+    assert found[1].value == "left 0.60 m, right 3.00 m"
+    assert found[1].details == ()
+    assert [rays.nearest for rays in found[1].rays] == [4, 0]
+    assert found[2].value == "a 1, b 'x'"
+
+
+def test_a_line_in_a_loop_has_its_last_value_and_how_often() -> None:
+    step = step_of(
+        "for i in range(30):\n    for j in 'ab':\n        x = 2 * i\n        x += 1\nwhile x > 0:\n    x -= 30"
+    )
+    (call,) = step.calls
+    found = {line.number: line for line in lines_of(call)}
+    assert (found[4].value, found[4].times) == ("59", 60)
+    outer, inner, last = passes_of(call)
+    assert (outer.number, outer.times, len(outer.rows), outer.rows[1]) == (1, 30, 20, "2: i 1")
+    assert (inner.times, inner.rows[:3]) == (
+        60,
+        ("1.1: j 'a' \u00b7 x 0 \u00b7 x 1", "1.2: j 'b' \u00b7 x 0 \u00b7 x 1", "2.1: j 'a' \u00b7 x 2 \u00b7 x 3"),
+    )
+    assert (last.number, last.rows, last.times) == (5, ("1: x 29", "2: x −1"), 2)
+
+
+def test_a_failed_line_has_its_error_and_the_values_before_it() -> None:
+    step = step_of("x = a - a\ny = 1 / x\nreturn y", a=2)
+    (call,) = step.calls
+    assert (call.error, call.error_line) == ("ZeroDivisionError: division by zero", 3)
+    assert [line.number for line in lines_of(call)] == [1, 2]
+    assert packed_step(step)["calls"][0]["error"] == [2, "ZeroDivisionError: division by zero"]
+
+
+def test_an_error_that_is_caught_leaves_its_line_reached_without_a_value() -> None:
+    found = lines("try:\n    x = 1 / a\nexcept ZeroDivisionError:\n    x = 5\nreturn x", a=0)
+    assert found[2].value == ""
+    assert found[4].value == "5"
+
+
+@pytest.mark.parametrize("source", ["lambda: 1", "print"])
+def test_what_was_not_rewritten_says_why(source: str) -> None:
+    watch = LineWatch()
+    watch.add_view()
+    watch.step(("p", 1), (1, 0.0), eval(source), {})
+    assert watch.newest
+    (call,) = watch.newest.calls
+    assert (call.notes, bool(call.why), lines_of(call), passes_of(call)) == (None, True, [], [])
+
+
+def test_totals_count_steps_and_some_are_sent() -> None:
+    steps = [step_of("if a:\n    return 1\nreturn 2", a=a) for a in (True, False, True)]
+    totals = Totals()
+    totals.add(steps)
+    (rows,) = totals.packed().values()
+    assert (totals.steps, rows) == (3, [[1, 3, 2], [2, 2, 0], [3, 1, 0]])
+    assert spread(steps, 2) == [steps[0], steps[2]]
+    assert spread(steps, 5) == steps
