@@ -13,6 +13,7 @@ if in_browser.IN_BROWSER:
     in_browser.prepare()
     in_browser.check_numpy()
 
+from . import rooms as rooms
 from .cloud_widget import CloudWidget
 from .drive_widget import DriveWidget
 from .events_widget import EventsWidget

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._plot import same_places
-from .kinds import LASER, SPEED
+from .laser.row import LASER
 from .notebook.progress import without_bars
 from .path_widget import PathWidget
 from .plot_widget import PlotWidget
@@ -28,6 +28,7 @@ from .samples.sector import ALL_ROUND, SectorLike
 from .samples.state_span import StateSpan, rows_of
 from .screens.layout import Together
 from .shapes import Points
+from .speed.row import SPEED
 
 MOST = 4
 """The maximum number of drives: a graph has room for so many lines."""

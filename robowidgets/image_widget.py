@@ -9,11 +9,10 @@ from typing import Any, ClassVar
 import numpy as np
 import traitlets
 
-from . import kinds
 from .camera import CameraModel
 from .image import checked_region, is_recolored, pack, statistics
 from .image.overlay import HasOverlay
-from .image.packing import MOST_BYTES
+from .image.packing import MOST_BYTES, NO_PICTURE
 from .messages import to_image
 from .samples import Image
 from .widget.front_end import bundle
@@ -103,7 +102,7 @@ class ImageWidget(HasOverlay):
         self._fitted: tuple[float, ...] | None = None
         """The camera that `calibrate` has set, to distinguish it from a camera set by hand."""
         self._camera_note = ""
-        self._last_good = pack(kinds.IMAGE.nothing).data
+        self._last_good = pack(NO_PICTURE).data
         super().__init__(**kwargs)
 
     def update(self, message: Any, encoding: str = "") -> None:
@@ -148,7 +147,7 @@ class ImageWidget(HasOverlay):
     def _fit_camera_to(self, image: Image) -> None:
         """Fit the calibration to the size of a picture."""
         size = (image.shape[1], image.shape[0])
-        if image is not kinds.IMAGE.nothing and size != self._picture_size:
+        if image is not NO_PICTURE and size != self._picture_size:
             self._picture_size = size
             with suppress(ValueError):  # the note shows it
                 self._fit_camera()
@@ -207,9 +206,9 @@ class ImageWidget(HasOverlay):
             self._fit_camera_to(image)
             packed = pack(image, self.most_bytes).data
         except (TypeError, ValueError) as error:
-            about, image = {"notes": [f"A picture could not be shown: {error}."]}, kinds.IMAGE.nothing
+            about, image = {"notes": [f"A picture could not be shown: {error}."]}, NO_PICTURE
             packed = pack(image).data
-        nothing = {"nothing": True} if image is kinds.IMAGE.nothing else {}
+        nothing = {"nothing": True} if image is NO_PICTURE else {}
         return {**self._about_sample(image), **about, **nothing}, packed
 
     # -- to the page ---------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .kinds import sensor_of
+from .kinds import OnDemandWidget, sensor_of
 from .kinds.choice import WidgetChoice
 from .messages.fields import stamp_ns
 from .recordings import RecordingData
@@ -164,6 +164,15 @@ class SampleFrames:
     def _frame(self, seconds: float, sample: Any) -> TimedFrame:
         about, frame = self._widget.frame_of(sample)
         return TimedFrame(seconds, about, frame_header(sample) + frame)
+
+
+def track_of(recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> Track:
+    """Return the frames of a chosen widget in a recording."""
+    row = choice.shown
+    make: Callable[..., Track] = MessageFrames if isinstance(row, OnDemandWidget) else SampleFrames
+    if row.frames is not None:
+        make = row.frames()
+    return make(recording, choice, widget)
 
 
 def pack(frames: list[TimedFrame]) -> tuple[list[dict[str, Any]], bytes]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from robowidgets.laser.row import LASER
 from robowidgets.messages.standard import LASER_SCAN, RANGE, range_message, scan_message
 from robowidgets.simulator import Robot, World
-from robowidgets.simulator.offers import Offer, cameras, scans, sonars
+from robowidgets.simulator.offers import Offer, cameras
+from robowidgets.sonar.row import SONAR
 
 from .unit.recordings import recorded
 
@@ -20,7 +22,7 @@ def robot() -> Robot:
 
 
 def offers(of: Robot) -> list[Offer]:
-    return [*cameras(of), *scans(of), *[one for one in sonars(of) if one.topic == "/sonar/front_3"]]
+    return [*cameras(of), *LASER.simulated(of), *[one for one in SONAR.simulated(of) if one.topic == "/sonar/front_3"]]
 
 
 def types(of: Robot) -> dict[str, str]:

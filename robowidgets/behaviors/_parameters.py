@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ..kinds import KINDS
+from ..kinds import KINDS, add_installed
 from .robot import GIVEN, ODOMETRY
 
 
@@ -30,6 +30,7 @@ def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, 
     """
     if not callable(function) or isinstance(function, type):
         raise TypeError(f"program: expected a function that returns a Drive, got {function!r}")
+    add_installed()
     samples = [kind.parameter for kind in KINDS.values()]
     given = (*samples, *GIVEN, *ODOMETRY)
     asked = asked_by(function, name, (*given, *topics))

@@ -474,12 +474,10 @@ class Machine:
             ) from None
 
 
-_KNOWN = (*(kind.parameter for kind in KINDS.values()), *GIVEN, *ODOMETRY, SINCE)
-
-
 @lru_cache(maxsize=500)
 def _parameters(function: Callable[..., Any]) -> tuple[str, ...]:
-    return tuple(asked_by(function, getattr(function, "__name__", "an action"), _KNOWN))
+    known = (*(kind.parameter for kind in KINDS.values()), *GIVEN, *ODOMETRY, SINCE)
+    return tuple(asked_by(function, getattr(function, "__name__", "an action"), known))
 
 
 def _ways_to_states(

@@ -6,9 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..kinds import KINDS, kind_of_parameter, load, sensor_of
+from ..kinds import KINDS, kind_of_parameter, sensor_of
 from ..simulator import Robot
-from ..simulator.offers import Offer
 from ._parameters import parameters_of, program_name
 from .drive import STANDSTILL, Drive, drive_of
 from .lines.watch import LineWatch
@@ -142,9 +141,7 @@ def simulate(
 def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -> dict[str, Callable[[], Any]]:
     """Map each parameter to a function that returns its newest sample; ValueError if the robot lacks its sensor."""
     found: dict[str, Callable[[], Any]] = {}
-    sent = {
-        offer.topic: offer.read for kind in KINDS.values() if kind.simulated for offer in load(kind.simulated)(robot)
-    }
+    sent = {offer.topic: offer.read for kind in KINDS.values() if kind.simulated for offer in kind.simulated(robot)}
     for name in asks_for:
         kind = kind_of_parameter(name)
         if name in topics and name not in ODOMETRY and (kind is None or kind.roles[0].combine is None):
@@ -156,7 +153,7 @@ def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -
             continue
         if kind is None:
             continue
-        offers: list[Offer] = load(kind.simulated)(robot) if kind.simulated else []
+        offers = kind.simulated(robot) if kind.simulated else []
         measured = {sensor_of(offer.topic): offer.read for offer in offers if not offer.obeyed}
         if not measured:
             raise ValueError(f"a program asks for {name}, and the simulated robot has no {kind.noun}")

@@ -18,13 +18,15 @@ import robowidgets
 
 from .. import fleet
 from ..files.remote import is_url
-from ..kinds import LASER, SPEED, TOUCH
+from ..laser.row import LASER
 from ..recordings.search import conditions
 from ..recordings.search.base import Condition
 from ..recordings.search.spans import Spans
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import ALL_ROUND, SECTORS, SectorLike, to_sector
+from ..speed.row import SPEED
+from ..touch.row import TOUCH
 from ._error import CommandError
 
 _SIGNS = {

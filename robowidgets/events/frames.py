@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import nan
 
 from ..events_widget import MOST_CHARACTERS, MOST_TEXT, EventsWidget
-from ..kinds import TOUCH
 from ..kinds.choice import WidgetChoice
 from ..messages.event import LOG_TYPES, SEVERE_TYPES
 from ..recordings import RecordingData
@@ -17,6 +16,7 @@ from ..runtime.text import many
 from ..samples.event import Level
 from ..samples.event_log import EventLog, EventRow, shortened, thinned
 from ..touch.marks import Mark, joined
+from ..touch.row import TOUCH
 from ..tracks import BEFORE
 from ..widget.timed_frame import FRAME_HEADER, TimedFrame
 

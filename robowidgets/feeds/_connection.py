@@ -13,7 +13,7 @@ from ..behaviors.programs import Programs
 from ..behaviors.robot import DrivenRobot
 from ..driving.command_watchdog import Velocity
 from ..driving.stop_all import stop_at_end
-from ..kinds import on_demand_for_type, topic_and_field
+from ..kinds import add_installed, on_demand_for_type, topic_and_field
 from ..laser_widget import LaserWidget
 from ..messages.twist import TWIST
 from ..notebook.cells import running_cell, take_the_place
@@ -69,6 +69,7 @@ class Connection(Observed):
 
     def __init__(self, middleware: Middleware, is_deleted: Callable[[], bool], clock: Clock) -> None:
         super().__init__()
+        add_installed()
         self.clock = clock
         self.middleware = middleware
         self._lock = threading.RLock()

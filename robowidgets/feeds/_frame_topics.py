@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import Any, Protocol
 
-from ..kinds import ODOMETRY_TYPES, TRANSFORM_TYPES
+from ..messages.standard import ODOMETRY
 from ..poses.live_frames import TakesFrames, TakesTopics
-from ..poses.transforms import STATIC
+from ..poses.transforms import STATIC, TRANSFORMS
 from ..runtime.coalesced_call import CoalescedCall
 from ._subscription import Target
 from ._topics import FeedTopic
@@ -83,8 +83,8 @@ class FrameTopics:
 def _wanted(topics: Iterable[FeedTopic], widget: TakesFrames) -> list[tuple[str, Callable[[Any], object]]]:
     """Return the topics that a widget needs in addition to its topics, with the methods that get their messages."""
     by, there = widget.frame_topics, list(topics)
-    odometry = sorted(topic.name for topic in there if topic.type in ODOMETRY_TYPES and topic.widget)[:1]
-    frames = sorted(topic.name for topic in there if topic.type in TRANSFORM_TYPES)
+    odometry = sorted(topic.name for topic in there if topic.type == ODOMETRY and topic.widget)[:1]
+    frames = sorted(topic.name for topic in there if topic.type in TRANSFORMS)
     names = {"both": [*odometry, *frames], "odometry": odometry or frames, "tf": frames, "": []}[by]
     wanted: list[tuple[str, Callable[[Any], object]]] = [
         (name, widget.take_static_frames if name.rpartition("/")[2] == STATIC else widget.take_frames) for name in names

@@ -14,8 +14,6 @@ import numpy as np
 from ..behaviors.odometer import Odometer
 from ..behaviors.robot import ODOMETRY, POSE, NotReadyError
 from ..kinds import (
-    PATH,
-    SPEED,
     Gathered,
     Kind,
     by_namespace,
@@ -24,9 +22,11 @@ from ..kinds import (
     namespace_of,
     sensor_of,
 )
+from ..path.row import PATH
 from ..runtime.clock import RealClock
 from ..samples import Speed
 from ..samples.staleness import STEPS, TO_DRIVE_BY, TO_DRIVE_BY_NAMED, SilenceRule, is_steady
+from ..speed.row import SPEED
 from ._links import TopicLink
 from ._probes import Probes
 from ._subscription import Target

@@ -9,11 +9,11 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple, Protocol
 
-from ..kinds import LASER, TRANSFORM_TYPES
+from ..laser.row import LASER
 from ..laser_widget import LaserWidget
 from ..messages.fields import frame_id, unwrap
 from ..poses.live_mounts import LiveMounts
-from ..poses.transforms import STATIC
+from ..poses.transforms import STATIC, TRANSFORMS
 from ..runtime.clock import Clock, Threads, scheduler
 from ..runtime.coalesced_call import CoalescedCall
 from ..samples import Scan
@@ -95,7 +95,7 @@ class ScannerMounts:
 
     def _look(self) -> None:
         connection = self._connection
-        tf = {topic.name for topic in connection.topics if not TRANSFORM_TYPES.isdisjoint(topic.type.split(", "))}
+        tf = {topic.name for topic in connection.topics if not {*TRANSFORMS}.isdisjoint(topic.type.split(", "))}
         with self._lock:
             if self._is_closed:
                 return

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..behaviors.program import ENDED
 from ..driving.command_watchdog import Velocity
-from ..kinds import KINDS, load
+from ..kinds import KINDS
 from ..laser_widget import LaserWidget
 from ..messages import to_speed
 from ..notebook import in_browser
@@ -49,7 +49,7 @@ class Simulated(ThreadedMiddleware):
     def __init__(self, robot: Robot, hz: float, wander: bool, process: bool, clock: Clock | None = None) -> None:
         super().__init__(clock)
         self._robot = robot
-        offers: list[MakeOffers] = [*(load(kind.simulated) for kind in KINDS.values() if kind.simulated), cameras]
+        offers: list[MakeOffers] = [*(kind.simulated for kind in KINDS.values() if kind.simulated), cameras]
         self._topics = [
             Advert(
                 *(offer.topic, offer.type),

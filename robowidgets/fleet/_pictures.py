@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import LASER, TOUCH
+from ..laser.row import LASER
 from ..messages.decoding import one_line
 from ..recordings import RecordingData
 from ..recordings.search.base import Condition, Curve
@@ -20,6 +20,7 @@ from ..samples import Scan
 from ..samples.distances import ray_distances
 from ..samples.event import Event
 from ..samples.verdict import UNKNOWN, Verdict
+from ..touch.row import TOUCH
 from ._hit import Hit
 
 MOST_RAYS = 400

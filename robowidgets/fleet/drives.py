@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..files.remote import is_url
-from ..kinds import LASER, SPEED, TOUCH
+from ..laser.row import LASER
 from ..notebook.progress import without_bars
 from ..recording import open as open_recording
 from ..recordings.columns.tables import RowType, date, library, number, short_number, text, whole
@@ -24,6 +24,8 @@ from ..repair import RecordingError, natural
 from ..runtime.output_file import checked_output, whole_file
 from ..runtime.tables import Table
 from ..runtime.text import many
+from ..speed.row import SPEED
+from ..touch.row import TOUCH
 from ._engine import LONGEST
 from ._fleet_table import Unread, not_read
 from ._gather import FromAll, gather, identity_or_none

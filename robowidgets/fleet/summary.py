@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import LASER, SPEED, TOUCH
+from ..laser.row import LASER
 from ..notebook.progress import without_bars
 from ..poses.path import is_jump
 from ..recording import Recording
@@ -22,6 +22,8 @@ from ..runtime.text import as_date, many
 from ..samples.checks import shortest
 from ..samples.distances import ray_distances
 from ..samples.staleness import RECORDED
+from ..speed.row import SPEED
+from ..touch.row import TOUCH
 from ._engine import LONGEST
 from ._fleet_table import SHOWN, FleetTable, date_of, short
 from ._gather import gather, kept_of

@@ -1,17 +1,14 @@
-"""The pictures of a recording, small enough to be sent ahead, and the scans that are made of pictures."""
+"""The pictures of a recording, small enough to be sent ahead."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from typing import Any
 
 from ..image_widget import ImageWidget
 from ..kinds.choice import WidgetChoice
-from ..laser_widget import LaserWidget
 from ..messages import to_image
 from ..recordings import RecordingData
-from ..recordings.calibration import first_info
 from ..recordings.topics import Moment
 from ..tracks import MessageFrames
 from ..widget.timed_frame import TimedFrame
@@ -45,23 +42,3 @@ class ImageFrames(MessageFrames):
             with suppress(TypeError, ValueError):  # the note of the widget shows the error
                 about = about | self._beside.about(seconds, to_image(moment.sample))
         return timed._replace(about=about)
-
-
-class MadeScanFrames(MessageFrames):
-    """A `Track` of scans that are made of clouds or depth images; see `MessageFrames`."""
-
-    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
-        super().__init__(recording, choice, widget)
-        info = first_info(recording, choice.topic)
-        if info is not None:
-            widget.calibrate(info)
-        self._laser = widget
-
-    def _content(self, message: Any) -> Any:
-        """Return the scan that is made of a message, in the angles of the robot, or the message if that fails.
-
-        The mount is taken from this track's recording: each thread, and a page in a file, opens a separate one.
-        """
-        with suppress(TypeError, ValueError):  # the widget shows the error
-            return self._recording.mounted(self._laser.scan_in(message))
-        return message

@@ -12,12 +12,12 @@ from typing import Any
 import traitlets
 
 from ..camera import BesidePictures, OnScan, Overlay, PictureView, about_overlay, pose_by_hand
-from ..kinds import SONAR, info_of, kind_of_message, sensor_of
+from ..kinds import info_of, kind_of_class, kind_of_message, sensor_of
 from ..messages import to_camera_info, to_range, to_scan
 from ..messages.fields import unwrap
 from ..poses.live_frames import LiveFrames
 from ..poses.transforms import STATIC, transforms_of
-from ..samples import Image, Pose
+from ..samples import Image, Pose, Range
 from ..samples.age import arrival_of
 from ..widget.large_frames import LargeFrameWidget
 from ..widget.traits import Flag
@@ -111,7 +111,7 @@ class HasOverlay(LargeFrameWidget[Image]):
 
     def _take_beside(self, sensor: str, message: Any) -> None:
         """Take a Range of another topic; a touch sensor is ignored."""
-        if kind_of_message(message, RANGE) is SONAR:
+        if kind_of_message(message, RANGE) is kind_of_class(Range):
             self.take_range(sensor, message)
 
     @property

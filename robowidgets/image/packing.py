@@ -30,6 +30,9 @@ MOST_FILE, MOST_FILE_PIXELS = 4_000_000, 10_000_000
 WORTHWHILE = 4
 """If pictures come often, a JPEG replaces pixels that have at least this many times its bytes."""
 
+NO_PICTURE = Image(np.zeros((1, 1), np.uint8), "mono8")
+"""The picture that a player shows before the first one."""
+
 _QUALITY = 90
 _BLUE_U, _GREEN_U, _GREEN_V, _RED_V = 1.772, 0.344136, 0.714136, 1.402
 """ITU-R BT.601, as in JPEG."""

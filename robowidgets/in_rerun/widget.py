@@ -18,9 +18,9 @@ from ..recordings import RecordingData
 from ..runtime.coalesced_call import CoalescedCall
 from ..widget.pacer import pacer
 from ..widget.time_traits import Seconds
-from ._sdk import library
 from ._server import kept_here, read, server
 from .rerun_log import CLOCK, SECONDS, Log
+from .sdk import library
 
 HEIGHT = 720
 """Height of the viewer in pixels."""

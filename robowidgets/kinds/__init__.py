@@ -1,32 +1,31 @@
-"""One row for each kind of sensor: its messages, its sample, its columns and its widget.
+"""The table of kinds: a row for each kind of sensor, with its messages, its sample, its columns and its widget.
 
-Recordings, players, searches, feeds, Rerun and the command find in these rows what they can read and show. A row refers
-to layers above it by name, as entry points do: ``"module:name"``. So reading a recording imports no widget.
+Recordings, players, searches, feeds, Rerun and the command find in these rows what they can read and show. Each room
+has its rows in its module ``row``, and `robowidgets.rooms` adds them. A row imports its classes when they are first
+used. So reading a recording imports no widget.
 """
 
 from __future__ import annotations
 
+import logging
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
-from math import nan
-from typing import Any, Protocol
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-
-from ..messages import to_range, to_scan, to_speed, to_touch
-from ..messages.cloud import CLOUD_TYPES
-from ..messages.event import SAID_TYPES
 from ..messages.fields import MessageShape, unwrap
-from ..messages.image import IMAGE_TYPES
-from ..messages.standard import CAMERA_INFO, ContactMessages, ToMessage, range_message, scan_message, speed_message
-from ..messages.touch import TOUCH_TYPES
-from ..samples import Cloud, Image, Pose, Problem, Range, Ranges, Scan, Speed, Touch
-from ..samples.touch_tracker import TouchesBetween
+from ..messages.standard import CAMERA_INFO, ToMessage
 
-_SAMPLE_FRAMES = "robowidgets.tracks:SampleFrames"
-_MESSAGE_FRAMES = "robowidgets.tracks:MessageFrames"
+if TYPE_CHECKING:
+    from ..simulator.offers import MakeOffers
+    from ..widget.sample_widget import SampleWidget
+
+log = logging.getLogger("robowidgets")
+
+ROOMS = "robowidgets.rooms"
+"""The group of entry points with the rows of other packages."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -38,9 +37,7 @@ class Role:
             programs of the sample of all topics.
         take: the method of the widget that takes a message. A method other than ``update`` has a title of its own: the
             widget takes ``command_title`` for the method ``command``.
-        kind: the kind of its topics, if it differs from the kind of the row.
         commanded: True if its samples are commanded, not measured.
-        required: True if the widget needs such a topic.
         combine: for the first role of a widget that all topics of a namespace share. A function that makes one sample
             of the newest ones. It gets the samples and the seconds at which they came, both by the names of their
             sensors. The method takes the name of the sensor before the message. If None, each topic has a widget of its
@@ -51,9 +48,7 @@ class Role:
 
     name: str
     take: str = "update"
-    kind: str = ""
     commanded: bool = False
-    required: bool = False
     combine: Callable[[Mapping[str, Any], Mapping[str, float]], Any] | None = None
     standalone_options: Mapping[str, Any] | None = None
 
@@ -75,9 +70,10 @@ class TopicWidget:
     Args:
         name: the name of the widget and its bundle, such as ``"path"``.
         types: message types of its topics, in the form of recordings: ``sensor_msgs/msg/LaserScan``.
-        widget: the widget class; it takes ``title`` and has ``update(sample)``.
+        widget: imports and returns the widget class; it takes ``title`` and has ``update(sample)``.
         nothing: the sample that a player shows before the first of a topic.
-        frames: the frames of a topic for the player of a recording, a `robowidgets.tracks.Track`.
+        frames: imports and returns the class of the frames of a topic for the player of a recording, a
+            `robowidgets.tracks.Track`. If None, a player shows the last sample, or the last message, at each time.
         roles: the roles of its topics. ``update`` takes messages of topics in the first role. A topic in another role
             goes with the topic in the first role that shares most of its namespace.
         options: keywords of the widget for topics, which replace the defaults of the widget.
@@ -88,9 +84,9 @@ class TopicWidget:
 
     name: str
     types: frozenset[str]
-    widget: str
+    widget: Callable[[], type[SampleWidget]]
     nothing: Any
-    frames: str = _SAMPLE_FRAMES
+    frames: Callable[[], Callable[..., Any]] | None = None
     roles: tuple[Role, ...] = (Role(name="sample"),)
     options: Mapping[str, Any] = field(default_factory=dict)
     goes_stale: bool = True
@@ -109,6 +105,8 @@ class OnDemandWidget(TopicWidget):
         shared: True if one widget shows all requested topics. Its ``update`` takes the name of the topic before the
             message.
         rerun: as in a `Kind`.
+        instead_of: the name of another row whose widget it also shows. A request for that widget of a topic of these
+            `types` is a request for this row.
         companion_types: for shared widgets only. Topics of these types are passed to ``put`` even if not requested,
             such as tf for a map.
         plots_fields: for shared widgets only. True if it shows single fields of topics, such as
@@ -119,8 +117,8 @@ class OnDemandWidget(TopicWidget):
 
     types: frozenset[str] = frozenset()
     nothing: Any = None
-    frames: str = _MESSAGE_FRAMES
-    rerun: str = ""
+    rerun: Callable[[], type[Any]] | None = None
+    instead_of: str = ""
     shared: bool = False
     companion_types: frozenset[str] = frozenset()
     plots_fields: bool = False
@@ -148,13 +146,15 @@ class Kind(TopicWidget):
         has_shape: returns True if a message of an unknown type with these fields is of this kind. If None, only `types`
             are.
         undecided: the part of `types` that other kinds also have; the first message of a topic decides.
-        columns: the series class of `Recording.series`.
-        rerun: logs the topics to Rerun, a `robowidgets.in_rerun.rerun_log.TopicLog`; Rerun leaves them out if empty.
+        columns: imports and returns the class of its columns, a `robowidgets.recordings.columns.series.Series`. If
+            None, its columns are samples.
+        rerun: imports and returns the class that logs the topics to Rerun, a
+            `robowidgets.in_rerun.rerun_log.TopicLog`. If None, Rerun leaves them out.
         to_message: called for each recorded topic, returns a converter from its samples to messages of ROS 2. If None,
             a feed of samples without messages cannot record them.
         gathered: makes a collector of the messages between two steps of a program, which gets the newest one by
             default.
-        simulated: the sensor of the simulated robot, a `robowidgets.simulator.offers.MakeOffers`, or empty.
+        simulated: returns the topics of the simulated robot for such a sensor. If None, the robot has no such sensor.
         also: second widgets for the same samples.
         command_types: the part of `types` whose messages are commands, independent of the name of their topic.
     """
@@ -165,11 +165,11 @@ class Kind(TopicWidget):
     read: Callable[[Any], Any]
     has_shape: Callable[[MessageShape], bool] | None = None
     undecided: frozenset[str] = frozenset()
-    columns: str = "robowidgets.recordings.columns.series:Samples"
-    rerun: str = ""
+    columns: Callable[[], type[Any]] | None = None
+    rerun: Callable[[], type[Any]] | None = None
     to_message: Callable[[], ToMessage] | None = None
     gathered: Callable[[], Gathered] | None = None
-    simulated: str = ""
+    simulated: MakeOffers | None = None
     also: tuple[TopicWidget, ...] = ()
     command_types: frozenset[str] = frozenset()
 
@@ -192,228 +192,15 @@ class Kind(TopicWidget):
         return tuple(second for second in self.also if not second.types.isdisjoint(types.split(", ")))
 
 
-_NUMBERS = ("float32", "float64")
-_SCAN_LIMITS = ("angle_min", "angle_increment", "range_min", "range_max")
-
-
-def _is_scan(shape: MessageShape) -> bool:
-    limits = all(shape.get(name) in _NUMBERS for name in _SCAN_LIMITS)
-    return limits and shape.get("ranges") in ("float32[]", "float64[]")
-
-
-def _has_twist(shape: MessageShape) -> bool:
-    twist: Any = shape
-    while isinstance(twist, Mapping):
-        if all(_is_vector(twist.get(part)) for part in ("linear", "angular")):
-            return True
-        twist = twist.get("twist")
-    return False
-
-
-def _is_vector(shape: Any) -> bool:
-    return isinstance(shape, Mapping) and all(shape.get(axis) in _NUMBERS for axis in "xyz")
-
-
-LASER = Kind(
-    name="laser",
-    sample_name="scan",
-    noun="laser scans",
-    sample=Scan,
-    read=to_scan,
-    types=frozenset({"sensor_msgs/msg/LaserScan", "sensor_msgs/msg/MultiEchoLaserScan"}),
-    widget="robowidgets.laser_widget:LaserWidget",
-    nothing=Scan(
-        np.empty(0, np.float32),
-        0.0,
-        0.0,
-        0.0,
-        10.0,
-        header_problems=(Problem("no scan up to this time of the recording", ""),),
-    ),
-    has_shape=_is_scan,
-    columns="robowidgets.recordings.columns.scans:Scans",
-    frames="robowidgets.laser.frames:ScanFrames",
-    rerun="robowidgets.in_rerun.rerun_log:ScanLog",
-    to_message=lambda: scan_message,
-    simulated="robowidgets.simulator.offers:scans",
-    # A room is much smaller than the range of many scanners.
-    options={"view_range": "auto"},
-)
-TRANSFORM_TYPES = frozenset({"tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"})
-ODOMETRY_TYPES = frozenset({"nav_msgs/msg/Odometry"})
-PATH = OnDemandWidget(
-    name="path",
-    types=TRANSFORM_TYPES
-    | {f"geometry_msgs/msg/Pose{suffix}" for suffix in ("", "Stamped", "WithCovariance", "Array", "2D")}
-    | {f"geometry_msgs/msg/{name}" for name in ("PoseWithCovarianceStamped", "PointStamped", "TransformStamped")}
-    | {"nav2_msgs/msg/Costmap", "sensor_msgs/msg/NavSatFix", "gps_msgs/msg/GPSFix", "gps_common/msg/GPSFix"}
-    | {"turtlesim/msg/Pose"}
-    | {f"nav_msgs/msg/{name}" for name in ("Odometry", "Path", "OccupancyGrid")},
-    widget="robowidgets.path_widget:PathWidget",
-    nothing=Speed((nan, nan, nan), (nan, nan, nan), pose=Pose(nan, nan, nan)),
-    frames="robowidgets.path.frames:path_track",
-    shared=True,
-    companion_types=TRANSFORM_TYPES | {"sensor_msgs/msg/LaserScan"},
-    # Each message of tf may contain other frames.
-    every_message=True,
-)
-"""Odometry contains the position of the robot, so it has a path. Other positions are shown on demand, on one map."""
-_STEERED = frozenset({"ackermann_msgs/msg/AckermannDrive", "ackermann_msgs/msg/AckermannDriveStamped"})
-SPEED = Kind(
-    name="speed",
-    sample_name="speed",
-    noun="speeds",
-    sample=Speed,
-    read=to_speed,
-    types=frozenset(
-        (
-            *(f"geometry_msgs/msg/Twist{suffix}" for suffix in ("", "Stamped", "WithCovariance")),
-            "geometry_msgs/msg/TwistWithCovarianceStamped",
-            "nav_msgs/msg/Odometry",
-            *_STEERED,
-        )
-    ),
-    widget="robowidgets.speed_widget:SpeedWidget",
-    nothing=Speed((nan, nan, nan), (nan, nan, nan)),
-    has_shape=_has_twist,
-    columns="robowidgets.recordings.columns.speeds:Speeds",
-    frames="robowidgets.speed.frames:SpeedFrames",
-    rerun="robowidgets.in_rerun.rerun_log:SpeedLog",
-    roles=(
-        Role(name="measured"),
-        Role(name="commanded", take="command", commanded=True, standalone_options={"bars": "commanded"}),
-    ),
-    to_message=lambda: speed_message,
-    simulated="robowidgets.simulator.offers:speeds",
-    # No topic contains the speed limits of its robot.
-    options={"linear_limits": None, "angular_limits": None},
-    also=(PATH,),
-    command_types=_STEERED,
-)
-TOUCH = Kind(
-    name="touch",
-    sample_name="touch",
-    noun="touch sensors",
-    sample=Touch,
-    read=to_touch,
-    # The last row belongs to the simulator, and has no message.
-    types=TOUCH_TYPES | {"robowidgets/msg/Touch"},
-    undecided=frozenset({"sensor_msgs/msg/Range"}),
-    widget="robowidgets.touch_widget:TouchWidget",
-    nothing=Touch({}),
-    columns="robowidgets.recordings.columns.touches:Touches",
-    frames="robowidgets.touch.frames:TouchFrames",
-    rerun="robowidgets.in_rerun.rerun_log:TouchLog",
-    to_message=ContactMessages,
-    simulated="robowidgets.simulator.offers:touches",
-    gathered=TouchesBetween,
-    goes_stale=False,
-    every_message=True,
-)
-SONAR = Kind(
-    name="sonar",
-    sample_name="sonar",
-    noun="sonars",
-    sample=Range,
-    read=to_range,
-    types=frozenset({"sensor_msgs/msg/Range"}),
-    # A Range whose min and max are equal is a binary touch sensor (REP 117).
-    undecided=frozenset({"sensor_msgs/msg/Range"}),
-    widget="robowidgets.sonar_widget:SonarWidget",
-    nothing=Range(nan),
-    columns="robowidgets.recordings.columns.distances:Distances",
-    frames="robowidgets.sonar.frames:SonarFrames",
-    roles=(Role(name="sonars", combine=Ranges),),
-    to_message=lambda: range_message,
-    simulated="robowidgets.simulator.offers:sonars",
-)
-
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (LASER, SPEED, TOUCH, SONAR)}
+KINDS: dict[str, Kind] = {}
 """The kinds by name, in the order of their widgets on a page. `add` appends another."""
 
-EVENTS = OnDemandWidget(
-    name="events",
-    types=SAID_TYPES,
-    widget="robowidgets.events_widget:EventsWidget",
-    frames="robowidgets.events.frames:EventFrames",
-    shared=True,
-    every_message=True,
-    goes_stale=False,
-)
-IMAGE = OnDemandWidget(
-    name="image",
-    types=IMAGE_TYPES,
-    widget="robowidgets.image_widget:ImageWidget",
-    nothing=Image(np.zeros((1, 1), np.uint8), "mono8"),
-    frames="robowidgets.image.frames:ImageFrames",
-    rerun="robowidgets.in_rerun.image_log:ImageLog",
-)
-"""On demand, because all cameras of a robot together would overload a network."""
-CLOUD = OnDemandWidget(
-    name="cloud",
-    types=CLOUD_TYPES,
-    widget="robowidgets.cloud_widget:CloudWidget",
-    frames="robowidgets.cloud.frames:CloudFrames",
-    rerun="robowidgets.in_rerun.rerun_log:CloudLog",
-    nothing=Cloud(np.empty(0, [(axis, np.float32) for axis in "xyz"])),
-)
-SCAN = OnDemandWidget(
-    name="scan",
-    types=CLOUD_TYPES | IMAGE_TYPES,
-    widget="robowidgets.laser_widget:LaserWidget",
-    nothing=LASER.nothing,
-    frames="robowidgets.image.frames:MadeScanFrames",
-    options=LASER.options,
-)
-"""A band of heights of a cloud, or rows of a depth image, as a laser scan: "/points as scan", or "as laser"."""
-MESSAGE = OnDemandWidget(
-    name="message",
-    widget="robowidgets.message_widget:MessageWidget",
-    frames="robowidgets.message.frames:TreeFrames",
-)
-"""For messages of any type, if no other row names it."""
-
-_XYZ = ("x", "y", "z")
-_ON_THE_FLOOR = ("linear.x", "linear.y", "angular.z")
-_FORCES = (*(f"force.{axis}" for axis in _XYZ), *(f"torque.{axis}" for axis in _XYZ))
-_WHOLE_NUMBERS = (f"{sign}{bits}" for sign in ("Int", "UInt") for bits in (8, 16, 32, 64))
-PLOTTED: dict[str, tuple[str, ...]] = {
-    **{f"std_msgs/msg/{name}": ("data",) for name in ("Float32", "Float64", *_WHOLE_NUMBERS)},
-    "sensor_msgs/msg/Imu": ("angular_velocity.z", "linear_acceleration.x", "linear_acceleration.y"),
-    "sensor_msgs/msg/MagneticField": tuple(f"magnetic_field.{axis}" for axis in _XYZ),
-    "sensor_msgs/msg/Illuminance": ("illuminance",),
-    "sensor_msgs/msg/FluidPressure": ("fluid_pressure",),
-    "sensor_msgs/msg/Temperature": ("temperature",),
-    "sensor_msgs/msg/RelativeHumidity": ("relative_humidity",),
-    "geometry_msgs/msg/Point": _XYZ,
-    "geometry_msgs/msg/Vector3": _XYZ,
-    "geometry_msgs/msg/Vector3Stamped": tuple(f"vector.{axis}" for axis in _XYZ),
-    "geometry_msgs/msg/Accel": _ON_THE_FLOOR,
-    "geometry_msgs/msg/AccelStamped": tuple(f"accel.{name}" for name in _ON_THE_FLOOR),
-    "geometry_msgs/msg/Wrench": _FORCES,
-    "geometry_msgs/msg/WrenchStamped": tuple(f"wrench.{name}" for name in _FORCES),
-}
-"""The default fields in a plot of a topic: the numbers of most interest."""
-
-PLOT = OnDemandWidget(
-    name="plot",
-    types=frozenset(PLOTTED),
-    widget="robowidgets.plot_widget:PlotWidget",
-    frames="robowidgets.plots.frames:PlotFrames",
-    shared=True,
-    plots_fields=True,
-    fields=PLOTTED,
-    goes_stale=False,
-    every_message=True,
-)
-
-ON_DEMAND: dict[str, OnDemandWidget] = {row.name: row for row in (PATH, EVENTS, IMAGE, CLOUD, SCAN, MESSAGE, PLOT)}
+ON_DEMAND: dict[str, OnDemandWidget] = {}
 """On-demand widgets by name, the most useful first. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")
 """Names that are already attributes of a moment."""
 _TYPE = re.compile(r"\w+/msg/\w+")
-_REFERENCE = re.compile(r"\w+(\.\w+)*:\w+")
 
 _STANDARD = frozenset(
     (
@@ -424,20 +211,41 @@ _STANDARD = frozenset(
 )
 
 
-def add(kind: Kind | OnDemandWidget, *, replace: bool = False) -> None:
+def add(row: Kind | OnDemandWidget, *, replace: bool = False) -> None:
     """Add a kind of sensor, or an on-demand widget, for all recordings and feeds that are opened afterwards.
 
+    A row that is in the table stays.
+
     Args:
-        kind: its row.
+        row: the row.
         replace: True to replace the row of the same name, so that the cell that adds a kind can run again.
 
     Raises:
-        ValueError: a name is taken or not an identifier, a type is not like ``sensor_msgs/msg/Range``, or a reference
-            is not ``"module:name"``.
+        TypeError: it is not a row, or it has a class where it needs a function that imports the class.
+        ValueError: a name is taken or not an identifier, or a type is not like ``sensor_msgs/msg/Range``.
     """
-    if isinstance(kind, OnDemandWidget):
-        _add_on_demand(kind, replace=replace)
+    if not isinstance(row, (Kind, OnDemandWidget)):
+        raise TypeError(f"row: expected a kinds.Kind or a kinds.OnDemandWidget, got {row!r}")
+    if row in (*KINDS.values(), *ON_DEMAND.values()):
         return
+    for key in ("widget", "frames", "columns", "rerun"):
+        given = getattr(row, key, None)
+        if isinstance(given, type) or not (given is None or callable(given)):
+            raise TypeError(f"{key}: expected a function that imports and returns the class, got {given!r}")
+    if isinstance(row, OnDemandWidget):
+        _check_on_demand(row, replace=replace)
+    else:
+        _check_kind(row, replace=replace)
+    for type_name in row.types | (row.undecided if isinstance(row, Kind) else frozenset()):
+        if not _TYPE.fullmatch(type_name):
+            raise ValueError(f"types: expected message types such as 'sensor_msgs/msg/Range', got {type_name!r}")
+    if isinstance(row, Kind):
+        KINDS[row.name] = row
+    else:
+        ON_DEMAND[row.name] = row
+
+
+def _check_kind(kind: Kind, *, replace: bool) -> None:
     others = [other for other in KINDS.values() if not (replace and other.name == kind.name)]
     for key in ("name", "sample_name", "parameter"):
         name = getattr(kind, key)
@@ -446,12 +254,9 @@ def add(kind: Kind | OnDemandWidget, *, replace: bool = False) -> None:
         if not name.isidentifier() or name in taken:
             hint = "; replace=True replaces a row" if key == "name" else ""
             raise ValueError(f"{key}: expected an identifier other than {', '.join(taken)}, got {name!r}{hint}")
-    _check_texts(kind, (*kind.types, *kind.undecided), ("widget", "columns", "frames", "rerun", "simulated"))
-    KINDS[kind.name] = kind
 
 
-def _add_on_demand(row: OnDemandWidget, *, replace: bool) -> None:
-    """See `add`."""
+def _check_on_demand(row: OnDemandWidget, *, replace: bool) -> None:
     taken = [name for name in (*KINDS, *ON_DEMAND) if not (replace and name == row.name and name in ON_DEMAND)]
     if not row.name.isidentifier() or row.name in taken:
         raise ValueError(
@@ -461,18 +266,23 @@ def _add_on_demand(row: OnDemandWidget, *, replace: bool) -> None:
         raise ValueError(f"shared: expected True, because {row.name} shows fields of several topics")
     if row.plots_fields and row.types != row.fields.keys():
         raise ValueError(f"fields: expected fields for each of the types {sorted(row.types)}, got {sorted(row.fields)}")
-    _check_texts(row, row.types, ("widget", "frames", "rerun"))
-    ON_DEMAND[row.name] = row
 
 
-def _check_texts(row: TopicWidget, types: Iterable[str], keys: Iterable[str]) -> None:
-    for type_name in types:
-        if not _TYPE.fullmatch(type_name):
-            raise ValueError(f"types: expected message types such as 'sensor_msgs/msg/Range', got {type_name!r}")
-    for key in keys:
-        reference = getattr(row, key)
-        if not _REFERENCE.fullmatch(reference) and (reference or key not in ("rerun", "simulated")):
-            raise ValueError(f"{key}: expected 'module:name', got {reference!r}")
+@cache
+def add_installed() -> None:
+    """Add the rows of installed packages, the entry points of the group `ROOMS`, once in a process.
+
+    A row that cannot be added is logged and skipped.
+    """
+    for point in entry_points(group=ROOMS):
+        _add_point(point)
+
+
+def _add_point(point: EntryPoint) -> None:
+    try:
+        add(point.load())
+    except Exception as error:  # code of another package
+        log.warning("the room %r of %s is left out: %s: %s", point.name, point.value, type(error).__name__, error)
 
 
 def on_demand_for_type(types: str) -> OnDemandWidget | None:
@@ -495,8 +305,15 @@ def on_demand_for_fields() -> OnDemandWidget | None:
 
 def on_demand_row(widget: type) -> OnDemandWidget | None:
     """Return the row of an on-demand widget, or None for another widget."""
-    names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
-    return next((row for row in ON_DEMAND.values() if row.widget in names), None)
+    return next((row for row in ON_DEMAND.values() if _shows(row, widget)), None)
+
+
+def _shows(row: TopicWidget, widget: type) -> bool:
+    """Return True if a widget class is the class of a row, or derived from it."""
+    try:
+        return issubclass(widget, row.widget())
+    except ImportError:  # of a package that is not complete: so there is no widget of this class
+        return False
 
 
 def kinds_of_type(type_name: str) -> tuple[Kind, ...]:
@@ -547,6 +364,11 @@ def kind_of_message(message: Any, type_name: str = "") -> Kind | None:
     return None
 
 
+def kind_of_class(sample: type) -> Kind:
+    """Return the kind whose samples are of a class of this package."""
+    return next(kind for kind in KINDS.values() if kind.sample is sample)
+
+
 def kind_of_sample(sample: Any) -> Kind | None:
     """Return the kind of a sample, or None for anything else."""
     return next((kind for kind in KINDS.values() if isinstance(sample, kind.sample)), None)
@@ -564,8 +386,7 @@ def kind_of_parameter(name: str) -> Kind | None:
 
 def role_of(widget: type, method: str) -> Role | None:
     """Return the role of the topics whose messages a method of a widget takes, or None if no row has it."""
-    names = {f"{base.__module__}:{base.__qualname__}" for base in widget.__mro__}
-    roles = (role for kind in KINDS.values() if kind.widget in names for role in kind.roles)
+    roles = (role for kind in KINDS.values() if _shows(kind, widget) for role in kind.roles)
     return next((role for role in roles if role.take == method), None)
 
 
@@ -630,9 +451,3 @@ def widgets_of(kind_name: str | None, types: str, commanded: bool) -> str:
     if kind_name is None or commanded:
         return f"{kind_name} (commanded)" if kind_name else ""
     return ", ".join((kind_name, *(second.name for second in KINDS[kind_name].second_widgets(types))))
-
-
-def load(reference: str) -> Any:
-    """Import and return the object behind ``"module:name"``."""
-    module, _, name = reference.partition(":")
-    return getattr(import_module(module), name)

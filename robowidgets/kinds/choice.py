@@ -9,15 +9,12 @@ from typing import Any, NamedTuple, Protocol
 from ..widget.sample_widget import SampleWidget
 from . import (
     KINDS,
-    LASER,
     ON_DEMAND,
-    SCAN,
     Kind,
     OnDemandWidget,
     Role,
     TopicWidget,
     by_namespace,
-    load,
     namespace_of,
     on_demand_for_fields,
     on_demand_for_type,
@@ -135,11 +132,11 @@ class WidgetChoice(NamedTuple):
 
     def make(self) -> SampleWidget:
         """Return the widget, with its titles."""
-        widget: Callable[..., SampleWidget] = load(self.shown.widget)
+        widget: Callable[..., SampleWidget] = self.shown.widget()
         if self.second:
             return widget(title=self.titles[0])
         if isinstance(self.kind, OnDemandWidget):
-            classes = _added_classes(widget.column)  # type: ignore[attr-defined]  # of the class
+            classes = _added_classes(self.kind.widget().column)
             return widget(*self.fields, title=self.titles[0], _dom_classes=classes, **self.kind.options)
         titles = {f"{role.take}_title": topic for role, topic in self.parts if role is not self.role}
         return widget(title=self.titles[0], **titles, **self.kind.options, **(self.role.standalone_options or {}))
@@ -326,10 +323,10 @@ def _by_kind(listed: list[ListedTopic]) -> tuple[WidgetChoice, ...]:
 
 def _row_of(request: TopicRequest, topic: ListedTopic) -> OnDemandWidget | None:
     """Return the row of the widget for a topic without a kind, or for a field; None if it has another widget."""
-    if request.row == LASER.name and not SCAN.types.isdisjoint(topic.type.split(", ")):
-        return SCAN
     if request.row:
-        return ON_DEMAND.get(request.row)
+        types = {*topic.type.split(", ")}
+        others = (row for row in ON_DEMAND.values() if row.instead_of == request.row and row.types & types)
+        return next(others, ON_DEMAND.get(request.row))
     if request.field:
         return on_demand_for_fields()
     return None if topic.widget else on_demand_for_type(topic.type)
@@ -389,8 +386,6 @@ def _of_kind(kind: Kind, listed: list[ListedTopic]) -> list[WidgetChoice]:
         goes_with = _paired(list(parts), there)
         for name, other in goes_with.items():
             parts[name].append((role, other))
-        if role.required:
-            parts = {name: some for name, some in parts.items() if name in goes_with}
         if role.standalone_options is not None:
             alone += [WidgetChoice(kind, ((role, name),)) for name in there if name not in goes_with.values()]
     chosen = [*(WidgetChoice(kind, tuple(some)) for some in parts.values()), *alone]
@@ -399,7 +394,7 @@ def _of_kind(kind: Kind, listed: list[ListedTopic]) -> list[WidgetChoice]:
 
 
 def _in_role(kind: Kind, role: Role, listed: list[ListedTopic]) -> list[str]:
-    return [t.name for t in listed if t.widget == (role.kind or kind.name) and t.commanded == role.commanded]
+    return [t.name for t in listed if t.widget == kind.name and t.commanded == role.commanded]
 
 
 def _paired(own: list[str], others: list[str]) -> dict[str, str]:

@@ -1,8 +1,9 @@
-"""The scans of a recording, for its player."""
+"""The scans of a recording for its player, measured or made of clouds and depth images."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 from ..kinds.choice import WidgetChoice
@@ -11,8 +12,9 @@ from ..notebook.progress import without_bars
 from ..poses.frame_tree import FrameTree
 from ..poses.recent import FARTHEST, RecentPoses
 from ..recordings import RecordingData
+from ..recordings.calibration import first_info
 from ..recordings.odometry import odometry
-from ..tracks import SampleFrames
+from ..tracks import MessageFrames, SampleFrames
 from ..widget.timed_frame import TimedFrame
 from .trail import scanner_in
 
@@ -45,3 +47,23 @@ class ScanFrames(SampleFrames):
             return timed._replace(about=timed.about | scanner_in(self._tree, sample, time_ns))
         robot = self._poses.at(seconds, sample.stamp_ns)
         return timed._replace(about=timed.about | self._laser.scanner_at(robot))
+
+
+class MadeScanFrames(MessageFrames):
+    """A `Track` of scans that are made of clouds or depth images; see `MessageFrames`."""
+
+    def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: LaserWidget) -> None:
+        super().__init__(recording, choice, widget)
+        info = first_info(recording, choice.topic)
+        if info is not None:
+            widget.calibrate(info)
+        self._laser = widget
+
+    def _content(self, message: Any) -> Any:
+        """Return the scan that is made of a message, in the angles of the robot, or the message if that fails.
+
+        The mount is taken from this track's recording: each thread, and a page in a file, opens a separate one.
+        """
+        with suppress(TypeError, ValueError):  # the widget shows the error
+            return self._recording.mounted(self._laser.scan_in(message))
+        return message

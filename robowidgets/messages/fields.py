@@ -13,6 +13,9 @@ from ..samples.age import HasAge
 MessageShape = Mapping[str, Any]
 """Field names to ``"float32"``, ``"float32[]"``, or the shape of an inner message."""
 
+FLOATS = ("float32", "float64")
+"""The floats of a `MessageShape`."""
+
 MISSING: Any = object()
 
 # The common class first: a check with an abstract class costs more than reading a field.

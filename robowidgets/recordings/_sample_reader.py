@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
-from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type, load
+from ..kinds import Kind, is_standard, is_undecided, kind_of_message, kind_of_shape, kinds_of_type
 from ..messages.channel import Channel
 from ..messages.decoding import ENCODINGS, DecodeError, decoder_of, may_go_on, one_line, shape_of
 from ..messages.event import LOG_TYPES, line_level
@@ -25,7 +25,7 @@ from .columns._fields import Fields
 from .columns._memory import Memory
 from .columns._messages import MessageDecoder
 from .columns._store import Store
-from .columns.series import Series
+from .columns.series import Series, series_of
 from .events import read_events
 from .program_log import TEXT
 from .topics import Moment, TimedMessage, Topic
@@ -238,7 +238,7 @@ class Messages:
         """Return the samples of a topic as columns."""
         channels = self._shown[topic]
         store: Store = Store(self._source, channels, self._decoders, memory, self._note, self._stop)
-        series: Series[Any] = load(self._kinds[topic][0].columns)(store, self.start_ns or 0)
+        series: Series[Any] = series_of(self._kinds[topic][0])(store, self.start_ns or 0)
         return series
 
     def transforms(self, every: int = 1, odometry: bool = True) -> Iterator[Transform]:
@@ -338,7 +338,7 @@ class Messages:
                 kind = kinds[0] if kinds else kind_of_shape(shape_of(channel))
             if kind is None:
                 return None, ""
-            decoder = load(kind.columns).decoder(channel, kind)
+            decoder = series_of(kind).decoder(channel, kind)
             if isinstance(decoder, ScanDecoder):
                 decoder.mounts = self.mounts
             self._decoders[channel.id] = decoder

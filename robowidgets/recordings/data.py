@@ -14,12 +14,12 @@ import numpy as np
 
 from ..files import open_as_ros
 from ..files.remote import fetch, held, is_url
-from ..kinds import KINDS, LASER, SPEED, TOUCH, Kind
+from ..kinds import KINDS, add_installed, kind_of_class
 from ..poses.places import WITHIN, Places, to_place
 from ..repair import RecordingError
 from ..runtime.tables import Table
 from ..runtime.text import megabytes
-from ..samples import Mount, Problem, Scan
+from ..samples import Mount, Problem, Scan, Speed, Touch
 from ..samples.checks import not_negative
 from ..samples.event import Event, holds, to_level, to_words
 from ..samples.state_span import StateSpan
@@ -74,6 +74,7 @@ class RecordingData:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         if not isinstance(path, (str, bytes, os.PathLike)):
             raise TypeError(f"path: expected the path of a recording, as text or as a pathlib.Path, got {path!r}")
+        add_installed()
         self._file = fetch(path) if is_url(path) else held(Path(os.fsdecode(path)).expanduser())
         self._path, self._url = self._file.path, self._file.url
         try:
@@ -398,7 +399,7 @@ class RecordingData:
             UnknownTopicError: the topic has no scans, or no topic was named and there is not exactly one.
             RecordingError: the recording is closed.
         """
-        return self._of_kind(topic, LASER, Scans)
+        return self._of_kind(topic, Scan, Scans)
 
     def speeds(self, topic: str | None = None) -> Speeds:
         """Return the speeds of a topic as columns: times, linear (N, 3), angular (N, 3).
@@ -410,7 +411,7 @@ class RecordingData:
             UnknownTopicError: as `scans`.
             RecordingError: the recording is closed.
         """
-        return self._of_kind(topic, SPEED, Speeds)
+        return self._of_kind(topic, Speed, Speeds)
 
     def touches(self, topic: str | None = None) -> Touches:
         """Return the touches of a topic as columns: times, and the state of each sensor (N, L).
@@ -422,7 +423,7 @@ class RecordingData:
             UnknownTopicError: as `scans`.
             RecordingError: the recording is closed.
         """
-        return self._of_kind(topic, TOUCH, Touches)
+        return self._of_kind(topic, Touch, Touches)
 
     def transforms(self, every: int = 1, *, odometry: bool = True) -> Iterator[Transform]:
         """Return the transforms of odometry and tf, in the order of time.
@@ -656,7 +657,8 @@ class RecordingData:
         if self._closed:
             raise RecordingError(f"{self.path.name} is closed: open it again")
 
-    def _of_kind(self, topic: str | None, kind: Kind, series: type[AnySeries]) -> AnySeries:
+    def _of_kind(self, topic: str | None, sample: type, series: type[AnySeries]) -> AnySeries:
+        kind = kind_of_class(sample)
         name = self.only(kind.name) if topic is None else topic
         found = self.series(name)
         if not isinstance(found, series):

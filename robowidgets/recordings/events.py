@@ -9,10 +9,11 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import TOUCH
+from ..kinds import kind_of_class
 from ..messages.event import REPEATED_TYPES, SAID_TYPES, EventReader
 from ..runtime.tables import Table
 from ..runtime.text import many
+from ..samples import Touch
 from ..samples.event import Event, Level
 from .columns.tables import Columns
 from .program_log import PROGRAM, STATES, version_of
@@ -116,7 +117,7 @@ def mark_text(level: Level, source: str, text: str) -> str:
 def has_events(topic: Topic, *, by_name: bool = False) -> bool:
     """Return True if a topic has events. A topic that repeats itself counts only if the user names it."""
     types = SAID_TYPES if by_name else SAID_TYPES - REPEATED_TYPES
-    return not topic.problem and (topic.type in types or topic.widget == TOUCH.name)
+    return not topic.problem and (topic.type in types or topic.widget == kind_of_class(Touch).name)
 
 
 def read_events(messages: Iterable[TimedMessage], note: Any = None, ends: bool = True) -> Iterator[tuple[int, Event]]:

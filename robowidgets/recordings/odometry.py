@@ -6,16 +6,18 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..kinds import LASER, ODOMETRY_TYPES
+from ..kinds import kind_of_class
+from ..messages.standard import ODOMETRY
 from ..poses.places import Places
 from ..poses.recent import poses_at
+from ..samples import Scan
 from ._readable import ReadableRecording
 from .topics import Topic, UnknownTopicError, named
 
 
 def odometry(topics: Iterable[Topic]) -> str | None:
     """Return the topic of odometry, or None without one; of several topics with messages, the first by name."""
-    there = (topic for topic in topics if topic.widget and topic.type in ODOMETRY_TYPES)
+    there = (topic for topic in topics if topic.widget and topic.type == ODOMETRY)
     first = min(there, key=lambda topic: (not topic.count, topic.name), default=None)
     return first.name if first else None
 
@@ -35,6 +37,6 @@ def places_of(recording: ReadableRecording) -> Places:
             f"{recording.path.name} has no odometry, so its places are unknown: record nav_msgs/Odometry, too"
         )
     times, (x, y, yaw) = speeds.seconds[known], poses[known].T
-    scanned = named(recording.topics, LASER.name)
+    scanned = named(recording.topics, kind_of_class(Scan).name)
     seconds = ((recording.scans(scanned[0]) if scanned else None) or speeds).seconds
     return Places(seconds, poses_at(seconds, times, (x, y, np.unwrap(yaw))).T)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kinds import LASER, SPEED, TOUCH, Kind
+from ..kinds import kind_of_class
 from ..kinds.choice import shared_depth
 from ..notebook.cells import take_the_place
 from ..recordings import RecordingData
@@ -18,7 +18,7 @@ from ..recordings.columns.scans import Scans as ScanSeries
 from ..recordings.columns.touches import Touches
 from ..recordings.topics import Topic, named, wanted
 from ..repair import RecordingError
-from ..samples import Scan, TouchState
+from ..samples import Scan, Speed, Touch, TouchState
 from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from .by_angle import keeps_indices, on_rays, rays_at
@@ -111,13 +111,13 @@ def scanogram(
 ) -> ScanogramWidget:
     """See `ScanogramWidget.of`; for a span of the recording."""
     there = wanted(recording.topics, ())
-    lasers = named(there, LASER.name)
+    lasers = named(there, kind_of_class(Scan).name)
     scans = recording.scans(lasers[0] if topic is None and lasers else topic).between(*span)
     if beside is not None:
         there = [t for t in recording.topics if t.name in beside]
 
-    def of_the_robot(kind: Kind) -> list[Topic]:
-        topics = [t for t in there if t.widget == kind.name]
+    def of_the_robot(sample: type) -> list[Topic]:
+        topics = [t for t in there if t.widget == kind_of_class(sample).name]
         every = (scans.topic, *lasers)
         return [
             t for t in topics if shared_depth(t.name, scans.topic) == max(shared_depth(t.name, name) for name in every)
@@ -127,8 +127,8 @@ def scanogram(
     take_the_place(widget)
     with widget.hold_sync():
         _put_scans(widget, recording, scans, span)
-        _put_speeds(widget, recording, of_the_robot(SPEED), span)
-        _put_touches(widget, recording, [t.name for t in of_the_robot(TOUCH)], span)
+        _put_speeds(widget, recording, of_the_robot(Speed), span)
+        _put_touches(widget, recording, [t.name for t in of_the_robot(Touch)], span)
         widget.states = rows_of(recording.states)
     return widget
 

@@ -15,7 +15,7 @@ import ipywidgets
 from ..export.html import Heading, Page
 from ..export.models import Models, shown
 from ..export.segments import segment
-from ..kinds import LASER
+from ..laser.row import LASER
 from ..message.frames import OF_TOPIC
 from ..notebook.cells import close_all
 from ..recordings import RecordingData

@@ -19,7 +19,7 @@ import traitlets
 from ..events.frames import event_marks, marks_of
 from ..export.html import MAX_SIZE, SUFFIXES, Page, check_texts
 from ..in_rerun.widget import RerunWidget
-from ..kinds import LASER, TOUCH, load, on_demand_for_fields, on_demand_for_type
+from ..kinds import on_demand_for_fields, on_demand_for_type
 from ..kinds.choice import (
     Entry,
     TopicRequest,
@@ -31,6 +31,7 @@ from ..kinds.choice import (
     parse_requests,
     why_no_plot,
 )
+from ..laser.row import LASER
 from ..message_widget import MessageWidget
 from ..messages.brief import brief
 from ..notebook.cells import close_all, take_the_place
@@ -50,7 +51,8 @@ from ..scanogram_widget import ScanogramWidget
 from ..speed_widget import SpeedWidget
 from ..topics_widget import TopicRow, TopicsWidget
 from ..touch.marks import touch_marks
-from ..tracks import LOOKED_AT, Track, moment_at, moments_of, silent_after
+from ..touch.row import TOUCH
+from ..tracks import LOOKED_AT, Track, moment_at, moments_of, silent_after, track_of
 from ..widget.freezing import freeze_together
 from ..widget.sample_widget import SampleWidget
 from ..widget.time_traits import Marks, PlaybackSpeed, Seconds, TimeSpan
@@ -347,7 +349,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Return its widgets, each with a track that reads the given recording, in one thread at a time."""
-        return [(view.widget, _track(recording, view.choice, view.widget)) for view in self.views]
+        return [(view.widget, track_of(recording, view.choice, view.widget)) for view in self.views]
 
     @contextmanager
     def _open_tracks(self) -> Iterator[Sequence[Track]]:
@@ -651,12 +653,7 @@ def _check_entry(recording: RecordingData, request: TopicRequest) -> None:
 
 def _view(recording: RecordingData, choice: WidgetChoice) -> PlayerView:
     widget = choice.make()
-    return PlayerView(widget, choice, _track(recording, choice, widget))
-
-
-def _track(recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> Track:
-    track: Track = load(choice.shown.frames)(recording, choice, widget)
-    return track
+    return PlayerView(widget, choice, track_of(recording, choice, widget))
 
 
 def _pause(recording: RecordingData, choice: WidgetChoice) -> float:

@@ -1,4 +1,4 @@
-"""The topics of the simulated robot. The row of each kind of sensor in the table of kinds names its function."""
+"""The topics of the simulated robot. The row of each kind of sensor makes its topics."""
 
 from __future__ import annotations
 
@@ -9,16 +9,12 @@ from typing import Any, NamedTuple
 from ..messages.standard import (
     CAMERA_INFO,
     IMAGE,
-    LASER_SCAN,
-    ODOMETRY,
-    RANGE,
     TF,
     camera_info_fields,
     image_fields,
     transform_fields,
     turn_of,
 )
-from ..messages.twist import TWIST
 from ..samples import Image
 from .camera import SCANNER_UP
 from .robot import Robot
@@ -48,27 +44,6 @@ class Offer(NamedTuple):
 
 MakeOffers = Callable[[Robot], Sequence[Offer]]
 """Returns the topics of a robot for one kind of sensor. It is also called in the process that simulates the robot."""
-
-
-def scans(robot: Robot) -> list[Offer]:
-    """Return the topic of the scans, at the rate of the scanner."""
-    return [Offer("/scan", LASER_SCAN, robot.scan)]
-
-
-def speeds(robot: Robot) -> list[Offer]:
-    """Return the topics of odometry and of the commanded speed."""
-    return [Offer("/odom", ODOMETRY, robot.speed), Offer("/cmd_vel", TWIST, robot.command, obeyed=True)]
-
-
-def touches(robot: Robot) -> list[Offer]:
-    """Return the topic of the bumpers, with messages of the robot's model."""
-    model = robot.model
-    return [Offer("/bumper", model.touch_type, robot.touch, model.to_message)] if model.touch_type else []
-
-
-def sonars(robot: Robot) -> list[Offer]:
-    """Return a topic for each sonar. The sonars measure in turn."""
-    return [Offer(f"/sonar/{name}", RANGE, partial(robot.sonar, name)) for name in robot.sonars.poses]
 
 
 def cameras(robot: Robot) -> list[Offer]:

@@ -48,7 +48,7 @@ def _front_end(tmp_path_factory: pytest.TempPathFactory) -> None:
 @pytest.fixture(autouse=True)
 def _asked(_front_end: None) -> Iterator[None]:
     with added():
-        kinds.add(replace(ANY, widget="tests.browser.test_topics:ShownAny"), replace=True)
+        kinds.add(replace(ANY, widget=lambda: ShownAny), replace=True)
         yield
 
 

@@ -86,10 +86,10 @@ GAUGE = replace(
     noun="gauges",
     types=frozenset({FLOAT64}),
     undecided=frozenset(),
-    widget="tests.fourth_kind.gauges:GaugesWidget",
+    widget=lambda: GaugesWidget,
     roles=(Role(name="gauges", combine=Numbers),),
     to_message=lambda: lambda number, _time_ns, _type: (FLOAT64, {"data": number.value}),
-    simulated="tests.fourth_kind.gauges:simulated",
+    simulated=simulated,
 )
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robowidgets import kinds
 from robowidgets.kinds import KINDS, Kind
 from robowidgets.messages.fields import describe, get, has, stamp_ns, unwrap
 from robowidgets.samples import HasAge
+
+if TYPE_CHECKING:
+    from .number_widget import NumberWidget
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,12 @@ def to_number(message: Any) -> Number:
         raise TypeError(f"expected a number and its unit, such as '1.5 m', got {data!r}") from None
 
 
+def _widget() -> type[NumberWidget]:
+    from .number_widget import NumberWidget
+
+    return NumberWidget
+
+
 NUMBER = Kind(
     name="number",
     sample_name="number",
@@ -51,7 +60,7 @@ NUMBER = Kind(
     read=to_number,
     types=frozenset({"std_msgs/msg/Float64", "std_msgs/msg/String"}),
     undecided=frozenset({"std_msgs/msg/String"}),
-    widget="tests.fourth_kind.number_widget:NumberWidget",
+    widget=_widget,
     nothing=Number(float("nan")),
 )
 

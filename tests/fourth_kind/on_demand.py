@@ -101,16 +101,16 @@ class FieldsWidget(WordsWidget):
         return {field: float(get(message, field[len(topic) + 1 :])) for field in own}
 
 
-ANY = OnDemandWidget(name="anything", widget="tests.fourth_kind.on_demand:AnyWidget")
+ANY = OnDemandWidget(name="anything", widget=lambda: AnyWidget)
 WORDS = OnDemandWidget(
     name="words",
     types=frozenset({"std_msgs/msg/String"}),
-    widget="tests.fourth_kind.on_demand:WordsWidget",
+    widget=lambda: WordsWidget,
     shared=True,
     every_message=True,
     goes_stale=False,
 )
-FIELDS = OnDemandWidget(name="lines", widget="tests.fourth_kind.on_demand:FieldsWidget", shared=True, plots_fields=True)
+FIELDS = OnDemandWidget(name="lines", widget=lambda: FieldsWidget, shared=True, plots_fields=True)
 
 
 @contextmanager

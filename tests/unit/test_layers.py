@@ -17,7 +17,7 @@ JS = ROOT / "js"
 
 SHARED = (
     *("samples", "messages", "poses", "camera", "shapes", "repair", "files"),
-    *("runtime", "notebook", "widget", "kinds", "recordings", "tracks"),
+    *("runtime", "notebook", "widget", "kinds", "recordings", "tracks", "in_rerun"),
     *("behaviors", "driving", "simulator"),
 )
 """Values, the base of widgets, recordings, and what drives robots: they import no room."""
@@ -28,11 +28,10 @@ ROOMS = (
 )
 """The rooms of one picture each: its widget, and all that only this picture needs. A room imports one other at most."""
 
-ABOVE = ("screens", "export", "feeds", "_plot", "_compare", "recording", "__init__", "__main__")
+ABOVE = ("rooms", "screens", "export", "feeds", "_plot", "_compare", "recording", "__init__", "__main__")
 """The parts that put pictures together."""
 
 LEAVES = {
-    "in_rerun": {"screens", "recording"},
     "lessons": {"__init__", "command"},
     "fleet": {"__init__", "command"},
     "command": {"__main__"},
@@ -51,20 +50,20 @@ def modules() -> dict[str, Path]:
     return {name_of(path): path for path in sorted(ROOT.rglob("*.py"))}
 
 
-def statements(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
-    """The imports in a syntax tree, including those in functions and those for type checkers."""
-    for child in ast.walk(node):
+def statements(node: ast.Module, *, at_once: bool = False) -> Iterator[ast.Import | ast.ImportFrom]:
+    """The imports in a module, including imports in functions and for type checkers, unless ``at_once``."""
+    for child in node.body if at_once else ast.walk(node):
         if isinstance(child, (ast.Import, ast.ImportFrom)):
             yield child
 
 
 @cache
-def imports(module: str) -> frozenset[str]:
+def imports(module: str, *, at_once: bool = False) -> frozenset[str]:
     """The modules of robowidgets that a module imports."""
     path = modules()[module]
     package = path.parent.relative_to(ROOT).parts
     found = set()
-    for statement in statements(ast.parse(path.read_text(encoding="utf-8"))):
+    for statement in statements(ast.parse(path.read_text(encoding="utf-8")), at_once=at_once):
         if isinstance(statement, ast.Import):
             names = [alias.name.split(".") for alias in statement.names]
             found |= {known(parts[1:]) for parts in names if parts[0] == "robowidgets"}
@@ -148,8 +147,26 @@ def test_reading_recordings_imports_neither_widgets_nor_traits() -> None:
     for module in modules():
         if part_of(module) == "recordings" and not module.startswith("recordings.search"):
             for name in reached(module):
-                assert not name.endswith("_widget"), f"{module} imports {name}"
+                assert not is_widget(name), f"{module} imports {name}"
                 assert not packages(name) & {"traitlets", "ipywidgets", "anywidget"}, f"{module} imports {name}"
+
+
+def test_rows_import_their_classes_when_they_are_first_used() -> None:
+    """Otherwise `robowidgets.kinds`, which recordings need, would import all widgets."""
+    seen: set[str] = set()
+    left = ["rooms"]
+    while left:
+        if (name := left.pop()) not in seen:
+            seen.add(name)
+            left += {*imports(name, at_once=True), *([package] if (package := name.rpartition(".")[0]) else [])}
+    assert {part_of(name) + ".row" for name in parts()["rooms"] & {*ROOMS}} <= seen
+    heavy = {"recordings", "tracks", "in_rerun", "simulator", "widget"}
+    assert [name for name in sorted(seen) if is_widget(name) or part_of(name) in heavy] == []
+    assert [name for name in sorted(seen) if packages(name) & {"traitlets", "ipywidgets", "anywidget"}] == []
+
+
+def is_widget(module: str) -> bool:
+    return "." not in module and module.endswith("_widget")
 
 
 def reached(module: str) -> set[str]:

@@ -207,5 +207,10 @@ class Series(Columns, Generic[Taken]):
         return Moment(self.topic, time_ns, sample, (time_ns - self._start_ns) / 1e9)
 
 
+def series_of(kind: Kind) -> type[Series[Any]]:
+    """Return the class of the columns of a kind."""
+    return Samples if kind.columns is None else kind.columns()
+
+
 class Samples(Series[Any]):
     """The samples of a topic of any kind, with their times; see `Series` for the ways to select from them."""

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...behaviors.version import RATE
-from ...kinds import KINDS, LASER, SPEED, TOUCH, Kind
+from ...kinds import KINDS, Kind, kind_of_class
 from ...samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ...samples.checks import number
 from ...samples.distances import distances, inside, ray_distances
@@ -243,7 +243,7 @@ class _OfOneTopic(Condition):
 
 
 class _Touched(_OfOneTopic):
-    kind = TOUCH
+    kind = kind_of_class(Touch)
 
     def __init__(self, label: str | None, topic: str | None) -> None:
         super().__init__(topic)
@@ -286,7 +286,7 @@ class _Touched(_OfOneTopic):
 
 
 class _NearestBelow(_OfOneTopic):
-    kind = LASER
+    kind = kind_of_class(Scan)
 
     def __init__(self, distance: float, sector: SectorLike, topic: str | None) -> None:
         super().__init__(topic)
@@ -338,7 +338,7 @@ class _NearestBelow(_OfOneTopic):
 
 
 class _SpeedAbove(_OfOneTopic):
-    kind = SPEED
+    kind = kind_of_class(Speed)
 
     def __init__(self, limit: float, axis: str, topic: str | None) -> None:
         super().__init__(topic)

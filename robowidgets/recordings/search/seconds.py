@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kinds import KINDS, LASER, SPEED, TOUCH, Kind
-from ...samples import AXES, TouchState
+from ...kinds import KINDS, Kind, kind_of_class
+from ...samples import AXES, Scan, Speed, Touch, TouchState
 from ...samples.checks import ANGLE_ROUNDING
 from ...samples.distances import inside, ray_distances
 from ...samples.sector import ALL_ROUND, SECTORS, Sector
@@ -112,7 +112,8 @@ def seconds_of(recording: RecordingData) -> dict[str, Any]:
     start, end = recording.start_ns, recording.end_ns
     if start is None or end is None:
         return {"second": np.empty(0, np.int64)}
-    scans, speeds, touches = (_series(recording, kind) for kind in (LASER, SPEED, TOUCH))
+    kinds = [kind_of_class(sample) for sample in (Scan, Speed, Touch)]
+    scans, speeds, touches = (_series(recording, kind) for kind in kinds)
     placed = odometry(recording.topics)
     poses = recording.speeds(placed) if placed else None
     regular = [
@@ -145,7 +146,7 @@ def seconds_of(recording: RecordingData) -> dict[str, Any]:
         edges = np.unique(np.concatenate((ends[:1], one.times_ns[one.said], ends[1:])))
         silence = _over(edges[:-1], np.diff(edges) / SECOND, starts, np.fmax, inf)
         found["gap"] = np.fmax(found["gap"], silence)
-    for kind, one in ((LASER, scans), (SPEED, speeds), (TOUCH, touches)):
+    for kind, one in zip(kinds, (scans, speeds, touches), strict=True):
         found[kind.sample_name] = None if one is None else one.topic
     return found
 

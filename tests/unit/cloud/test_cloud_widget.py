@@ -13,9 +13,9 @@ from traitlets import TraitError
 import robowidgets
 from robowidgets import CloudWidget, LaserWidget
 from robowidgets import cloud_widget as module
-from robowidgets.kinds import load
 from robowidgets.kinds.choice import choose_widgets
 from robowidgets.messages import to_cloud
+from robowidgets.tracks import track_of
 from robowidgets.widget.large_frames import MOST_KEPT_BYTES
 
 from ...vectors import BANDS
@@ -173,7 +173,7 @@ def test_a_recording_shows_its_clouds_and_a_band_of_them_as_a_scan_and_says_what
             (choice,) = choose_widgets(recording.topics, [f"/points as {name}"])
             widget = choice.make()
             widget.follow_player()
-            track = load(choice.shown.frames)(recording, choice, widget)
+            track = track_of(recording, choice, widget)
             frames = list(track.frames(-1.0, 2.0))
             counts = [count_in(widget, timed.frame) for timed in frames]
             assert counts == expected, name

@@ -13,7 +13,7 @@ from robowidgets import Scan, Speed, Touch, feeds
 from robowidgets.feeds import Feed, FeedError
 from robowidgets.feeds.simulator import Simulated
 from robowidgets.simulator import Robot, World, real_time
-from robowidgets.simulator.offers import speeds
+from robowidgets.speed.row import SPEED
 
 from ..clocks import ManualClock
 from ..waiting import wait_for
@@ -134,7 +134,7 @@ def test_it_may_be_closed_in_a_callback() -> None:
 
 def test_a_robot_whose_listener_was_held_up_catches_up_with_a_second_and_no_more() -> None:
     clock, robot, held = ManualClock(), Robot(World([])), threading.Event()
-    live = real_time.RealTime(robot, 50.0, False, [speeds], clock)
+    live = real_time.RealTime(robot, 50.0, False, [SPEED.simulated], clock)
     live.want({"/odom"})
     held.set()
     running = clock.beside(lambda: live.run(lambda *_: held.wait()), "running")

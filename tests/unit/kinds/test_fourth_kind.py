@@ -9,6 +9,7 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError, conditions, feeds
+from robowidgets.behaviors.machine import Machine
 from robowidgets.feeds import Advert, Feed
 from robowidgets.kinds import KINDS, kind_of_type
 from robowidgets.recording import Recording
@@ -152,3 +153,13 @@ def test_rerun_which_the_row_does_not_name_leaves_them_out(recording: Recording,
     entities = {piece.entity_path for piece in written}
     assert any("cliff" in entity for entity in entities)
     assert not any("depth" in entity or "level" in entity for entity in entities)
+
+
+def test_an_action_of_a_machine_gets_them_if_they_have_a_default() -> None:
+    class Tank:
+        def filling(number=None): ...  # noqa: N805
+
+        emptying = None
+        moves = "filling -> emptying after 1"
+
+    assert "number" in Machine(Tank).asks_for

@@ -7,13 +7,9 @@ from typing import Any
 
 import pytest
 
-from robowidgets import kinds
+from robowidgets import LaserWidget, kinds
 from robowidgets.kinds import (
     KINDS,
-    LASER,
-    SONAR,
-    SPEED,
-    TOUCH,
     Role,
     counts_every_message,
     is_command,
@@ -24,7 +20,11 @@ from robowidgets.kinds import (
     kind_of_type,
     kinds_of_type,
 )
+from robowidgets.laser.row import LASER
 from robowidgets.samples import Scan, Speed, Touch
+from robowidgets.sonar.row import SONAR
+from robowidgets.speed.row import SPEED
+from robowidgets.touch.row import TOUCH
 
 from ...fourth_kind.number import NUMBER
 
@@ -111,12 +111,7 @@ def test_every_message_of_a_touch_sensor_counts() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
-def test_what_a_row_names_is_there(kind: kinds.Kind) -> None:
-    seconds = [reference for second in kind.also for reference in (second.widget, second.frames)]
-    for reference in (kind.widget, kind.columns, kind.frames, *seconds):
-        assert callable(kinds.load(reference))
-    for reference in filter(None, (kind.rerun, kind.simulated)):
-        assert callable(kinds.load(reference))
+def test_the_sample_before_the_first_is_of_its_kind(kind: kinds.Kind) -> None:
     assert kind.read(kind.nothing) is kind.nothing
     assert isinstance(kind.nothing, kind.sample)
 
@@ -176,8 +171,6 @@ def test_a_table_names_all_widgets_of_a_topic(row: tuple[str | None, str, bool],
             {"types": frozenset({"std_msgs/Float64"})},
             "types: expected message types .*, got 'std_msgs/Float64'",
         ),
-        ({"widget": "nonsense"}, "widget: expected 'module:name', got 'nonsense'"),
-        ({"frames": ""}, "frames: expected 'module:name', got ''"),
     ],
 )
 def test_a_row_that_cannot_be_is_refused(changed: dict[str, Any], text: str) -> None:
@@ -185,3 +178,13 @@ def test_a_row_that_cannot_be_is_refused(changed: dict[str, Any], text: str) -> 
     with pytest.raises(ValueError, match=text):
         kinds.add(replace(NUMBER, **changed))
     assert before == KINDS
+
+
+@pytest.mark.parametrize("key", ["widget", "frames", "columns", "rerun"])
+@pytest.mark.parametrize("given", ["module:name", LaserWidget])
+def test_a_row_with_a_name_or_a_class_instead_of_a_function_is_refused(key: str, given: Any) -> None:
+    with pytest.raises(TypeError, match=f"{key}: expected a function that imports and returns the class, got"):
+        kinds.add(replace(NUMBER, **{key: given}))
+    with pytest.raises(TypeError, match=r"row: expected a kinds\.Kind or a kinds\.OnDemandWidget, got"):
+        kinds.add(given)
+    assert NUMBER.name not in KINDS

@@ -150,9 +150,7 @@ def test_a_plot_of_a_topic_without_a_field_is_an_error_that_says_so(recording: R
 
 
 def test_a_page_has_the_frames_of_widgets_that_were_asked_for(recording: Recording, tmp_path: Path) -> None:
-    rows = (replace(row, widget="tests.unit.kinds.test_on_demand_widgets:PagedWidget") for row in (ANY,))
-    for row in rows:
-        kinds.add(row, replace=True)
+    kinds.add(replace(ANY, widget=lambda: PagedWidget), replace=True)
     page = recording.to_html(tmp_path / "page.html", topics=["/temperature"])
     assert "/temperature" in page.read_text()
 
@@ -215,13 +213,13 @@ def test_topics_of_several_namespaces_share_a_shared_widget() -> None:
 
 def test_a_row_that_cannot_work_is_refused() -> None:
     with pytest.raises(ValueError, match="replace=True"):
-        kinds.add(WORDS)
+        kinds.add(replace(WORDS))
     with pytest.raises(ValueError, match="other than laser"):
         kinds.add(replace(WORDS, name="laser"), replace=True)
     with pytest.raises(ValueError, match="shared"):
         kinds.add(replace(FIELDS, name="more", shared=False))
-    with pytest.raises(ValueError, match="module:name"):
-        kinds.add(replace(ANY, name="more", widget="x"))
+    with pytest.raises(TypeError, match="widget: expected a function that imports and returns the class, got"):
+        kinds.add(replace(ANY, name="more", widget=PagedWidget))
 
 
 class TestAnArrangement:

@@ -8,13 +8,15 @@ import pytest
 
 from robowidgets import kinds
 from robowidgets.feeds._topics import FeedTopic
-from robowidgets.kinds import KINDS, Role, is_command
+from robowidgets.kinds import Role, is_command
 from robowidgets.kinds.choice import TopicSelection, choose_instead, choose_widgets
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import shape_of
 from robowidgets.messages.fields import get
+from robowidgets.plots.row import PLOTTED
 
 from ...fourth_kind.number import NUMBER, added
+from ...fourth_kind.on_demand import AnyWidget
 
 
 @pytest.mark.parametrize(
@@ -96,27 +98,6 @@ def test_all_topics_of_a_namespace_share_a_widget_where_the_role_is_of_each() ->
         assert [one.is_like(other) for one, other in zip(chosen, more, strict=True)] == [True] * 4
 
 
-def test_a_picture_needs_its_calibration_and_may_have_a_scan_which_keeps_its_own_widget() -> None:
-    with added():
-        needed = Role(name="camera_info", take="calibrate", kind="camera_info", required=True)
-        image = replace(
-            NUMBER,
-            name="image",
-            sample_name="image",
-            roles=(Role(name="image"), needed, Role(name="scan", take="overlay", kind="laser")),
-        )
-        kinds.add(replace(NUMBER, name="camera_info", sample_name="camera_info"))
-        kinds.add(image)
-        front = listed(front__image="image", front__camera_info="camera_info", back__image="image")
-        shown = {choice.topics: choice for choice in choose_widgets([*front, *listed(scan="laser")])}
-        assert list(shown) == [
-            ("/scan",), ("/front/camera_info",), ("/front/image", "/front/camera_info", "/scan")
-        ]  # fmt: skip
-        choice = shown["/front/image", "/front/camera_info", "/scan"]
-        assert [choice.method(role) for role, _ in choice.parts] == ["update", "calibrate", "overlay"]
-    assert "image" not in KINDS
-
-
 def test_what_was_taken_off_is_shown_again_whether_it_was_asked_for_or_added_later() -> None:
     on_show = TopicSelection(["/scan"])
     for entry in ("/scan", "/imu"):
@@ -183,7 +164,7 @@ class TestTopicsOfNumbers:
         assert shown == ["/lux", "/joints"]
 
     def test_have_the_widget_that_the_user_adds_for_their_type(self) -> None:
-        mine = kinds.OnDemandWidget(name="mine", types=frozenset({IMU}), widget="tests.fourth_kind.on_demand:AnyWidget")
+        mine = kinds.OnDemandWidget(name="mine", types=frozenset({IMU}), widget=lambda: AnyWidget)
         before = dict(kinds.ON_DEMAND)
         kinds.add(mine)
         try:
@@ -192,10 +173,10 @@ class TestTopicsOfNumbers:
             kinds.ON_DEMAND.clear()
             kinds.ON_DEMAND.update(before)
 
-    @pytest.mark.parametrize("type_name", sorted(kinds.PLOTTED))
+    @pytest.mark.parametrize("type_name", sorted(PLOTTED))
     def test_have_the_fields_that_their_definitions_have(self, type_name: str) -> None:
         shape = shape_of(Channel(0, "", type_name, "cdr", "", 0))
-        for field in kinds.PLOTTED[type_name]:
+        for field in PLOTTED[type_name]:
             assert isinstance(get(shape, field), str), field
 
 

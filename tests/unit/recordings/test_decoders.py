@@ -12,9 +12,12 @@ import pytest
 
 from robowidgets import Scan, Speed
 from robowidgets.files import open_source
-from robowidgets.kinds import LASER, SPEED, kind_of_shape, kind_of_type, load
+from robowidgets.kinds import kind_of_shape, kind_of_type
+from robowidgets.laser.row import LASER
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import DecodeError, shape_of
+from robowidgets.recordings.columns.series import series_of
+from robowidgets.speed.row import SPEED
 
 SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -37,7 +40,7 @@ class Watched:
         kind = kind_of_type(type_name) or kind_of_shape(shape_of(channel))
         assert kind
         self.convert = kind.read
-        self.decoder: Any = load(kind.columns).decoder(channel, kind)
+        self.decoder: Any = series_of(kind).decoder(channel, kind)
         self.full = self.decoder.read
         self.calls = 0
         self.decoder.read = self._read

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 import robowidgets
-from robowidgets.kinds import load
 from robowidgets.kinds.choice import choose_widgets
 from robowidgets.recording import Recording
 from robowidgets.repair import RecordingError
+from robowidgets.tracks import track_of
 
 FITTING = {
     "LaserScan": "laser", "Twist": "speed", "TwistStamped": "speed", "Odometry": "speed", "Range": "sonar",
@@ -36,7 +36,7 @@ def shown(recording: Recording, topic: str) -> str:
     widget = choice.make()
     widget.follow_player()
     try:
-        track = load(choice.shown.frames)(recording, choice, widget)
+        track = track_of(recording, choice, widget)
         assert list(track.frames(0.0, 0.5)), topic
     finally:
         widget.close()

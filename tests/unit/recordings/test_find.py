@@ -16,7 +16,8 @@ import robowidgets
 from robowidgets import RecordingError, conditions
 from robowidgets.behaviors import Drive
 from robowidgets.behaviors.simulation import ProgramRun
-from robowidgets.kinds import KINDS, LASER
+from robowidgets.kinds import KINDS
+from robowidgets.laser.row import LASER
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.search import _stops, base
 from robowidgets.recordings.search._search import Search

@@ -17,8 +17,8 @@ from rosbags.rosbag2.storage_mcap import McapReader
 import robowidgets
 from robowidgets import LaserWidget, Recording
 from robowidgets.files import _index
-from robowidgets.kinds import LASER
 from robowidgets.kinds.choice import WidgetChoice
+from robowidgets.laser.row import LASER
 from robowidgets.messages.compression import zstd
 from robowidgets.repair import LEAP_NS, Arrivals, Source, has_clock_step, open_repaired
 from robowidgets.screens._prefetcher import segment

@@ -13,9 +13,9 @@ from traitlets import TraitError
 
 import robowidgets
 from robowidgets import LaserWidget, Scan, Validity
-from robowidgets.kinds import load
 from robowidgets.kinds.choice import choose_widgets
 from robowidgets.messages import to_scan
+from robowidgets.tracks import track_of
 
 from ..forms import FORMS
 from ..recordings.recorded import stamped, write
@@ -157,7 +157,7 @@ def test_a_recording_has_all_echoes_of_each_scan_and_a_player_shows_the_chosen_o
         (choice, *_) = choose_widgets(recording.topics, ["/glass"])
         laser = choice.make()
         laser.follow_player()
-        track = load(choice.shown.frames)(recording, choice, laser)
+        track = track_of(recording, choice, laser)
 
         def shown() -> set[float]:
             return {float(laser._unpack(timed.frame).ranges[0]) for timed in track.frames(0.0, 2.0)}

@@ -11,7 +11,7 @@ import pytest
 from robowidgets.samples import Pose, Validity
 from robowidgets.simulator import Robot, Sonars, World
 from robowidgets.simulator._raycast import cast_rays
-from robowidgets.simulator.offers import sonars as offers_of
+from robowidgets.sonar.row import SONAR
 
 ONE = Sonars({"front": (0.0, 0.0, 0.0)}, field_of_view="30deg", noise=0.0, noise_share=0.0)
 HERE = Pose(0.0, 0.0, 0.0)
@@ -111,11 +111,11 @@ class TestPioneer:
 
     def test_offers_a_topic_for_each(self) -> None:
         robot = Robot(World.rooms(), model="pioneer")
-        offers = offers_of(robot)
+        offers = SONAR.simulated(robot)
         assert [offer.topic for offer in offers[::8]] == ["/sonar/front_0", "/sonar/rear_0"]
         assert {offer.type for offer in offers} == {"sensor_msgs/msg/Range"}
         assert offers[3].read() is robot.sonar("front_3")
-        assert offers_of(Robot(World.rooms())) == []
+        assert SONAR.simulated(Robot(World.rooms())) == []
 
 
 def test_a_missing_sonar_is_named_with_the_existing_ones() -> None:

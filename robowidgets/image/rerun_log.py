@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from ..camera import CameraModel
-from ..image import as_numbers
+from ..in_rerun.rerun_log import Log, TopicLog
+from ..in_rerun.sdk import library
+from ..in_rerun.world import WorldFrame
 from ..messages import to_camera_info, to_image
 from ..recordings.calibration import first_info
 from ..recordings.topics import Topic
 from ..samples import Image
-from ._sdk import library
-from ._world import WorldFrame
-from .rerun_log import Log, TopicLog
+from .packing import as_numbers
 
 _VIEW = 220.0
 """The height of the view with all cameras."""
