@@ -88,7 +88,7 @@ def words(card: Locator) -> set[str]:
 
 def placed_words(card: Locator) -> list[tuple[str, float, float]]:
     """Return the texts in the picture now, since `listen`, each with the position that it is aligned to."""
-    return card.evaluate("(card) => [...card.querySelectorAll('.rw-layer')].flatMap((layer) => layer.places)")  # type: ignore[no-any-return]
+    return card.evaluate("(card) => [...card.querySelectorAll('.rw-layer')].flatMap((layer) => layer.places ?? [])")  # type: ignore[no-any-return]
 
 
 class Picture:
