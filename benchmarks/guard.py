@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +29,8 @@ WITHIN = 0.6
 """Seconds within which zero is due."""
 WATCHED = 2.0
 """Seconds after a fault in which zero must come and nothing else may be driven."""
+PATIENCE = 240.0
+"""The longest time in seconds until a process drives its robot."""
 HELD = 2.0
 """The default seconds for which code holds the GIL."""
 
@@ -54,7 +56,7 @@ feed = {opened}
 feed.driving = feeds.Driving(hold=60.0)
 def at():
     with open({log!r}, "a") as log:
-        print(os.getpid(), time.monotonic(), file=log)
+        print(os.getpid(), looked, file=log)
 def drive(seconds):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -68,12 +70,14 @@ for _ in range(60):  # middlewares differ in when they report subscribers
         time.sleep(0.05)
 began = time.monotonic()
 def moves():
+    global looked
+    looked = time.monotonic()
     with open({heard!r}) as heard:
         lines = [line.split() for line in heard.read().split("\\n")[:-1]]
-    return any(float(at) > began and float(linear) for at, linear, _ in lines)
-while not moves():  # a fault before the robot has heard anything shows nothing
-    drive(0.25)
+    return bool(lines) and float(lines[-1][0]) > began and float(lines[-1][1]) != 0.0
 drive(0.5)
+while not moves():  # a fault while the robot stands, as after a standstill of this process, shows nothing
+    drive(0.25)
 {fault}
 """
 """A program with speeds that hold for a minute, so that the zero after a hold does not hide a missing zero."""
@@ -111,7 +115,7 @@ ctypes.CDLL(None).memset(ctypes.CDLL(None).malloc(1 << 33), 1, 1)
 fault = time.monotonic() + 0.5
 @feed.program(rate=20)
 def go():
-    if time.monotonic() > fault:
+    if time.monotonic() > fault and moves():
         at()
         ctypes.PyDLL(None).usleep({held})
     return Drive(0.3)
@@ -122,10 +126,14 @@ pad = DriveWidget(linear_limit=0.3)
 pad.connect(feed)
 answers = []
 pad.send = answers.append
-pad._handle_custom_msg({{"act": "press", "press": "p"}}, [])
-for _ in range(10):
-    time.sleep(0.05)
-    pad._handle_custom_msg({{"act": "hold", "press": "p", "token": answers[-1]["token"], "forward": 1.0}}, [])
+def hold():
+    pad._handle_custom_msg({{"act": "press", "press": "p"}}, [])
+    for _ in range(10):
+        time.sleep(0.05)
+        pad._handle_custom_msg({{"act": "hold", "press": "p", "token": answers[-1]["token"], "forward": 1.0}}, [])
+hold()
+while not moves():
+    hold()
 at()
 time.sleep(60)
 """,
@@ -234,13 +242,12 @@ class Drivers:
             else:
                 assert self._forking.stdin is not None
                 print(json.dumps(code), file=self._forking.stdin, flush=True)
-            while not self._log.exists() or not self._log.read_text().endswith("\n"):
-                time.sleep(0.005)
+            _await(lambda: self._log.exists() and self._log.read_text().endswith("\n"), "the process drives", 0.005)
             pid, told = self._log.read_text().split()[:2]
             process, at = Driven(int(pid)), float(told)
             ends.callback(process.signal, signal.SIGKILL)
             if fault == PAUSE:
-                time.sleep(0.3)
+                self._await_motion()
                 both = [process, *(Driven(guard) for guard in guards() if _parent(guard) == process.pid)]
                 for number, pause in ((signal.SIGSTOP, PAUSED), (signal.SIGCONT, 0.0)):
                     at = time.monotonic()
@@ -248,10 +255,25 @@ class Drivers:
                         one.signal(number)
                     time.sleep(pause)
             elif server is not None or fault in SIGNALS:
-                time.sleep(0.3)
-                at = time.monotonic()
+                at = self._await_motion()
                 server.kill() if server is not None else process.signal(SIGNALS[fault])
             yield process, at
+
+    def _await_motion(self) -> float:
+        """Wait a moment, and then until the robot moves. Return the time at which it did.
+
+        After a standstill of a busy machine the robot has its zero already, and gets none after a fault.
+        """
+        time.sleep(0.3)
+        looked = 0.0
+
+        def moves() -> bool:
+            nonlocal looked
+            looked = time.monotonic()
+            return heard(self._heard, 0.0)[-1][1] != 0.0
+
+        _await(moves, "the robot moves", 0.02)
+        return looked
 
     @property
     def refused(self) -> str:
@@ -263,6 +285,15 @@ class Drivers:
         assert self._forking.stdin is not None
         self._forking.stdin.close()
         self._forking.wait()
+
+
+def _await(condition: Callable[[], bool], what: str, every: float) -> None:
+    """Wait until a condition holds. Raise TimeoutError with its text if it does not."""
+    until = time.monotonic() + PATIENCE
+    while not condition():
+        if time.monotonic() > until:
+            raise TimeoutError(f"waited {PATIENCE:g} s in vain until {what}")
+        time.sleep(every)
 
 
 def heard(path: Path, since: float) -> list[tuple[float, float]]:

@@ -162,8 +162,15 @@ class DdsSession:
         self._is_told = False
 
     def close(self) -> None:
-        """End the participant and everything that it made. Otherwise it lives while anything refers to it."""
+        """End the participant and everything that it made. Otherwise it lives while anything refers to it.
+
+        Before that, zero is repeated for best-effort subscribers.
+        """
         with self._writing:
+            with suppress(DDSException):  # the network is gone
+                for topic, kind, raw in self._zeros.last(self._all_confirm):
+                    writer = self._writers[topic, kind]
+                    writer.write(writer.data_type(raw))
             # cyclonedds does the same on garbage collection. It has no other call to end a participant.
             self._participant.__del__()
 
@@ -317,7 +324,7 @@ class DdsSession:
         try:
             for topic in self._zeros.topics():
                 there = self._subscribers(topic)
-                due = self._zeros.due(topic, len(there), all_confirm=all(map(_is_reliable, there)))
+                due = self._zeros.due(topic, len(there), all_confirm=self._all_confirm(topic))
                 for kind, raw in due.items():
                     writer = self._writers[topic, kind]
                     with suppress(DDSException):  # the next requested zero reports it
@@ -406,6 +413,9 @@ class DdsSession:
         """Return the subscribers of other programs that match our writers of a topic."""
         writers = [writer for (name, _), writer in list(self._writers.items()) if name == topic]
         return [one for writer in writers for one in self._matches(writer) if _OURS not in _user_data(one)]
+
+    def _all_confirm(self, topic: str) -> bool:
+        return all(map(_is_reliable, self._subscribers(topic)))
 
     def _report_unheard(self) -> None:
         reasons: dict[str, str] = {}

@@ -23,7 +23,9 @@ from .middleware import Advert, FeedError, HasOutlet, Middleware, NotConnectedYe
 log = logging.getLogger("robowidgets")
 
 CONNECT_TIMEOUT = 2.0
-"""Seconds after the first `drive` on a topic, and on closing, for which a speed waits for a subscriber to connect."""
+"""Seconds after the first `drive` on a topic, and on closing, for which a speed waits for a subscriber to connect.
+
+On closing, also the seconds for which zero is sent again until it is confirmed."""
 
 START_TIMEOUT = 30.0
 """Seconds for which the first `drive` waits for the guard to start."""
@@ -192,7 +194,9 @@ class Driver:
         self.watchdog.refuse(self)
 
     def close(self) -> None:
-        """Send zero if one is owed, and refuse every speed from now on. It waits for a subscriber that is connecting.
+        """Send zero if one is owed, and refuse every speed from now on.
+
+        It waits for a subscriber that is connecting. Without a guard, it also sends zero again until it is confirmed.
 
         Raises:
             FeedError, OSError: zero could not be sent.
@@ -201,7 +205,7 @@ class Driver:
         try:
             self.watchdog.close()
         except (FeedError, OSError):
-            if not isinstance(self.watchdog.error, NotConnectedYetError):
+            if not self._may_arrive_soon:
                 raise
             while self.watchdog.busy_for or not self._try_zero():
                 if self._clock.now() > until:
@@ -255,11 +259,17 @@ class Driver:
             raise FeedError(f"cannot drive: {self._connection.status or error}") from None
         return True
 
+    @property
+    def _may_arrive_soon(self) -> bool:
+        """True if another attempt to send zero makes sense. A guard that is there sends a lost zero again by itself."""
+        error, is_guarded = self.watchdog.error, self._guard is not None and self._guard.is_there
+        return isinstance(error, NotConnectedYetError) or (isinstance(error, TimeoutError) and not is_guarded)
+
     def _try_zero(self) -> bool:
-        """Send zero without the watchdog, which is closed. Return False if a subscriber is still connecting."""
+        """Send zero without the watchdog, which is closed. Return False if another attempt may succeed."""
         try:
             self._send(*ZERO)
-        except NotConnectedYetError:
+        except (NotConnectedYetError, TimeoutError):
             return False
         return True
 

@@ -33,6 +33,9 @@ class EndsDriving(Closes, Protocol):
 class OpenFeed(Closes, Protocol):
     """The part of a feed's connection that closes it."""
 
+    unsent: str
+    """The reason why zero could not be sent on closing, or empty if it was sent."""
+
     @property
     def where(self) -> str:
         """The address or name that it is connected to."""
@@ -64,6 +67,8 @@ def _close_all() -> None:
             log.error("the process ends without waiting for a feed to close: %s", one.where)
             return
         _try(one.close)
+        if one.unsent:
+            log.error("%s: zero may not have reached the robot before the process ended: %s", one.where, one.unsent)
 
 
 def _forget_all() -> None:

@@ -151,7 +151,7 @@ class Ros2Session:
                 offered.setdefault((topic, info.topic_type), set()).add(_full_name(info))
             for info in self._others(wants):
                 wanted.setdefault((topic, info.topic_type), set()).add(_full_name(info))
-            heard[topic] = [info for info in self._others(wants) if not _OURS.fullmatch(info.node_name)]
+            heard[topic] = self._robots(wants)
             if topic in self._unheard and self._all_matched(topic, wants):
                 self._unheard.discard(topic)
                 self._listener.on_unheard(topic, "")
@@ -230,10 +230,16 @@ class Ros2Session:
             self._publishing.release()
 
     def close(self) -> None:
-        """Wait until every subscriber has the last message, which may be a zero; then end everything."""
+        """Wait until every subscriber has the last message, which may be a zero; then end everything.
+
+        A best-effort subscriber gets zero some more times.
+        """
         with self._publishing:
             with suppress(Exception):  # the session was shut down, or its middleware has no acknowledgements
                 self._await_acknowledgements()
+            with suppress(Exception):  # the session was shut down
+                for topic, kind, zero in self._zeros.last(self._all_confirm):
+                    self._publishers[topic, kind].publish(fill(message_class(kind)(), zero))
             with suppress(Exception):
                 self._made.close()
         for topic in self._unheard:
@@ -313,6 +319,13 @@ class Ros2Session:
 
     def _others(self, infos: Iterable[Any]) -> list[Any]:
         return [info for info in infos if info.node_name not in (self._name, MARK)]
+
+    def _robots(self, wants: Iterable[Any]) -> list[Any]:
+        """Return the subscribers except those of our nodes."""
+        return [info for info in self._others(wants) if not _OURS.fullmatch(info.node_name)]
+
+    def _all_confirm(self, topic: str) -> bool:
+        return all(map(_is_reliable, self._robots(self._node.get_subscriptions_info_by_topic(topic))))
 
     def _subscribe(self, wish: _Wish) -> None:
         from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +11,9 @@ from ..runtime.clock import Clock
 
 AGAIN = (1.0, 2.0, 4.0, 8.0, 16.0)
 """Seconds after a zero at which it is written again for a subscriber that does not confirm messages."""
+
+LAST, LAST_PAUSE = 3, 0.1
+"""Before the connection ends, such a subscriber gets zero this many times more, and these seconds apart."""
 
 LOOK = 0.1
 """The least seconds between two checks for overdue zeros."""
@@ -95,3 +99,23 @@ class Zeros:
         if now - there.since > RECENT and subscribers >= there.driven:
             there.zeros.clear()
         return zeros
+
+    def last(self, all_confirm: Callable[[str], bool]) -> Iterator[tuple[str, str, Any]]:
+        """Yield the topics, types and messages of the zeros to publish before the connection ends, `LAST` times each.
+
+        Nothing repeats a lost zero after that. So it waits for a moment, but only if a subscriber may miss a zero.
+
+        Args:
+            all_confirm: returns True if each subscriber of a topic confirms messages.
+        """
+        for _ in range(LAST):
+            repeated = [topic for topic, there in self._topics.items() if there.repeats < len(AGAIN) and there.zeros]
+            zeros = [
+                (topic, kind, zero)
+                for topic in repeated
+                if not all_confirm(topic)
+                for kind, zero in self._topics[topic].zeros.items()
+            ]
+            yield from zeros
+            if zeros:
+                self._clock.sleep(LAST_PAUSE)

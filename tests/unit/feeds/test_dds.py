@@ -508,6 +508,17 @@ def test_a_best_effort_subscriber_gets_zero_some_more_times(dds: Dds, heard: Ear
     assert robot.heard()["linear"]["x"] == 0.0
 
 
+def test_a_best_effort_subscriber_gets_zero_some_more_times_before_the_connection_ends(
+    dds: Dds, heard: Ears, robot: Robot
+) -> None:
+    robot.hear("/cmd_vel", "Twist", False)
+    wait_for(lambda: heard.topics, "the topic is known")
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
+    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    dds.close()
+    assert [robot.heard()["linear"]["x"] for _ in range(2 + _zeros.LAST)] == [0.5, *[0.0] * (1 + _zeros.LAST)]
+
+
 @pytest.mark.parametrize("reliable", [True, False])
 def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
     dds: Dds, heard: Ears, robot: Robot, start: Callable[[], Robot], reliable: bool

@@ -14,6 +14,7 @@ from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import RETRY, SETTLE, RefusedError, Velocity
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.feeds._guard.link import GuardLink
+from robowidgets.feeds._open_feeds import _close_all as close_at_end
 from robowidgets.feeds.middleware import NotConnectedYetError
 from robowidgets.runtime.clock import Clock, scheduler
 
@@ -585,6 +586,45 @@ def test_driving_on_after_the_computer_slept_is_refused_until_older_requests_are
     clock.asleep += 3600.0
     feed.drive(0.3)  # no program drove before the sleep
     assert [speed for speed, _ in script.speeds if speed] == [0.2, 0.3]
+
+
+def loses_zeros(attempts: float, script: Scripted, monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Make a robot confirm zero only after so many attempts; return the forward speeds of all attempts."""
+    publish, tried = script.publish, []
+
+    def publish_unconfirmed(topic: str, message_type: str, message: Mapping[str, Any]) -> None:
+        tried.append(message["linear"]["x"])
+        publish(topic, message_type, message)
+        if not tried[-1] and tried.count(0.0) <= attempts:
+            raise TimeoutError("a subscriber of /cmd_vel has not confirmed zero")
+
+    monkeypatch.setattr(script, "publish", publish_unconfirmed)
+    return tried
+
+
+def test_on_closing_zero_is_sent_again_until_it_is_confirmed(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 1000.0)
+    feed, script = driven(CMD_VEL)
+    tried = loses_zeros(5, script, monkeypatch)
+    feed.drive(0.3)
+    feed.close()
+    assert tried == [0.3, *[0.0] * 6]
+    feed.stop()  # raises nothing, as zero has arrived
+
+
+def test_a_zero_that_is_not_confirmed_before_the_process_ends_is_logged(
+    driven: Driven, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 0.2)
+    feed, script = driven(CMD_VEL)
+    tried = loses_zeros(inf, script, monkeypatch)
+    feed.drive(0.3)
+    close_at_end()
+    assert tried.count(0.0) > 2
+    assert (
+        "the script: zero may not have reached the robot before the process ended: "
+        "a subscriber of /cmd_vel has not confirmed zero" in caplog.messages
+    )
 
 
 class Guarded(Scripted):

@@ -55,8 +55,8 @@ def test_the_robot_gets_zero_and_nothing_moves_after_it(there: tuple[Drivers, Pa
     drivers, path = there
     before = guards()
     with drivers.driving(fault) as (process, at):
-        wait_for(lambda: heard(path, at) and heard(path, at)[-1][1] == 0.0, "zero comes")
-        zero = next(time for time, speed in heard(path, at) if speed == 0.0)
+        wait_for(lambda: heard(path, 0.0)[-1][1] == 0.0, "zero comes")
+        zero = next((time for time, speed in heard(path, at) if speed == 0.0), at)
         if fault == PAUSE:
             wait_for(lambda: "stood still" in drivers.refused, "the next speed is refused")
         if not fault.startswith("GIL"):  # a cell or a step continues, and may drive again

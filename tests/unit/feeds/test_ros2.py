@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from robowidgets import feeds
-from robowidgets.feeds import _ros2_session
+from robowidgets.feeds import _ros2_session, _zeros
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT, Advert, FeedError, NotConnectedYetError
 from robowidgets.feeds.ros2 import EARLY_LOOK, LOOK, Ros2
 
@@ -827,6 +827,17 @@ def test_a_best_effort_robot_gets_zero_some_more_times_unless_a_speed_follows(
         wait_for(lambda: robot.speeds == [0.25, 0.0, 0.0], "zero comes again")
         ros2.publish("/cmd_vel", TWIST, FORWARD)
         assert not session._zeros._topics["/cmd_vel"].zeros
+
+
+def test_a_best_effort_robot_gets_zero_some_more_times_before_the_connection_ends(
+    ros2: Ros2, graph: Graph, heard: Ears
+) -> None:
+    with Robot(graph, qos=QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)) as robot:
+        wait_for(lambda: heard.topics, "the robot is known")
+        ros2.publish("/cmd_vel", TWIST, FORWARD)
+        ros2.publish("/cmd_vel", TWIST, ZERO)
+        ros2.close()
+        wait_for(lambda: robot.speeds == [0.25, *[0.0] * (1 + _zeros.LAST)], "zero comes again")
 
 
 def test_a_robot_that_was_found_late_is_known_to_have_listened(ros2: Ros2, graph: Graph, robot: Robot) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robowidgets.driving.command_watchdog import RECENT
-from robowidgets.feeds._zeros import AGAIN, LOOK, Zeros
+from robowidgets.feeds._zeros import AGAIN, LAST, LAST_PAUSE, LOOK, Zeros
 
 from ..clocks import ManualClock
 
@@ -71,3 +71,21 @@ def test_a_zero_counts_as_unheard_for_a_while_when_no_subscriber_of_the_speed_is
     sent.clock.advance(RECENT)
     assert not sent.zeros.is_unheard("/cmd_vel", 0)
     assert not sent.zeros.is_unheard("/another", 0)
+
+
+def test_before_the_end_zero_is_due_some_more_times_for_a_while_if_it_is_not_confirmed() -> None:
+    sent, got = Sent(), []
+
+    def end(*, all_confirm: bool = False) -> list[tuple[str, str, str]]:
+        got.clear()
+        ending = sent.clock.beside(lambda: got.extend(sent.zeros.last(lambda _: all_confirm)))
+        while ending.is_alive():
+            sent.clock.advance(LAST_PAUSE)
+        return got
+
+    assert end() == [("/cmd_vel", "Twist", "zero")] * LAST
+    assert end(all_confirm=True) == []
+    sent.due(AGAIN[-1] + 1)
+    assert end() == []
+    sent.zeros.note_speed("/cmd_vel", 1)
+    assert end() == []
