@@ -66,3 +66,11 @@ def start() -> Iterator[Callable[..., subprocess.Popen[Any]]]:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
+
+
+@pytest.fixture
+def kernel_sends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make the kernel send speeds itself, without a guard: the test controls what this process publishes."""
+    from robowidgets.feeds import _driver
+
+    monkeypatch.setattr(_driver, "OFF", True)

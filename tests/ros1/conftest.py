@@ -13,9 +13,6 @@ import pytest
 
 from ..unit.waiting import wait_for
 
-# A feed publishes in this process, where a test observes it; one test uses a guard all the same.
-os.environ.setdefault("ROBOWIDGETS_GUARD", "off")
-
 PYTHON = "/usr/bin/python3"
 PACKAGES = "/usr/lib/python3/dist-packages"
 PUBLISHER = Path(__file__).with_name("publisher.py")

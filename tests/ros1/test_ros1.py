@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from robowidgets import LaserWidget, Speed, SpeedWidget, feeds
-from robowidgets.feeds import _driver, _ros1_master
+from robowidgets.feeds import _ros1_master
 from robowidgets.feeds.middleware import SEND_TIMEOUT, Advert, FeedError
 
 from ..conftest import ROOT
@@ -450,6 +450,7 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
     wait_for(lambda: middleware.told.unheard[topic] == "", "nothing is left to say")
 
 
+@pytest.mark.usefixtures("kernel_sends")
 def test_the_first_speed_waits_until_the_robot_has_connected(feed, robot, monkeypatch):
     heard = robot("/first/cmd_vel").heard
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 0.001)
@@ -461,6 +462,7 @@ def test_the_first_speed_waits_until_the_robot_has_connected(feed, robot, monkey
     wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
 
 
+@pytest.mark.usefixtures("kernel_sends")
 def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middleware, robot, master):
     there = robot("/gone/cmd_vel")
     driven(feed, "/gone/cmd_vel", hold=1.0)
@@ -485,8 +487,7 @@ def test_speeds_and_zero_reach_the_robot_though_the_master_is_gone(feed, middlew
         master.start()
 
 
-def test_a_guard_drives_on_without_a_master_and_is_not_another_publisher(monkeypatch, robot, master):
-    monkeypatch.setattr(_driver, "OFF", False)
+def test_a_guard_drives_on_without_a_master_and_is_not_another_publisher(robot, master):
     there = robot("/kept/cmd_vel")
     with feeds.ros1() as feed:
         driven(feed, "/kept/cmd_vel", hold=60.0)
@@ -523,7 +524,8 @@ def test_a_feed_keeps_its_master_and_a_second_one_is_refused(feed, monkeypatch, 
     assert told.connected == 0
 
 
-def test_a_process_that_ends_without_closing_stops_the_robot(publish):
+@pytest.mark.parametrize("guard", ["on", "off"])
+def test_a_process_that_ends_without_closing_stops_the_robot(publish, guard):
     robot = publish("/end/cmd_vel", "hear")
     script = f"""
 import sys
@@ -535,15 +537,16 @@ feed.driving = feeds.Driving("/end/cmd_vel", hold=60.0)
 wait_for(lambda: any(topic.name == "/end/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
 feed.drive(0.25)
 """
-    subprocess.run([sys.executable, "-c", script], cwd=ROOT, check=True)
+    subprocess.run([sys.executable, "-c", script], cwd=ROOT, env={**os.environ, "ROBOWIDGETS_GUARD": guard}, check=True)
     ends = threading.Timer(5.0, robot.kill)
     ends.start()
     assert "0.0\n" in iter(robot.stdout.readline, "")
     ends.cancel()
 
 
+@pytest.mark.parametrize("guard", ["on", "off"])
 @pytest.mark.parametrize("end", ["os.kill(os.getpid(), signal.SIGINT)", "rospy.signal_shutdown('by the test')"])
-def test_a_node_that_is_shut_down_while_it_drives_stops_the_robot_first(robot, end):
+def test_a_node_that_is_shut_down_while_it_drives_stops_the_robot_first(robot, end, guard):
     heard = robot("/exit/cmd_vel").heard
     script = f"""
 import os, signal, sys
@@ -559,7 +562,7 @@ feed.drive(0.25)
 wait_for(lambda: feed.connection.middleware._publications.connected, "the robot hears it")
 {end}
 """
-    subprocess.run([sys.executable, "-c", script], cwd=ROOT)
+    subprocess.run([sys.executable, "-c", script], cwd=ROOT, env={**os.environ, "ROBOWIDGETS_GUARD": guard})
     wait_for(lambda: heard, "the robot hears a speed")
     wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
 
@@ -658,12 +661,13 @@ def test_a_robot_that_comes_later_is_driven_in_the_type_that_it_listens_to(feed,
     assert heard[0] == 0.25
 
 
+@pytest.mark.usefixtures("kernel_sends")
 def test_another_type_on_a_topic_that_is_published_already_is_refused(feed, robot):
     heard = robot("/two/cmd_vel").heard
     driven(feed, "/two/cmd_vel")
     feed.drive(0.25)
     wait_for(lambda: heard, "the robot hears a TwistStamped")
-    with pytest.raises(FeedError, match="cannot publish geometry_msgs/Twist on /two/cmd_vel: geometry_msgs/TwistStamp"):
+    with pytest.raises(FeedError, match="/two/cmd_vel: it is already published as geometry_msgs/TwistStamped"):
         feed.connection.middleware.publish("/two/cmd_vel", "geometry_msgs/msg/Twist", {})
 
 

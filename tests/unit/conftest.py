@@ -43,14 +43,6 @@ def pacer() -> Iterator[Pacer]:
 
 
 @pytest.fixture
-def kernel_sends(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make the kernel send speeds itself, without a guard: the test controls what this process publishes."""
-    from robowidgets.feeds import _driver
-
-    monkeypatch.setattr(_driver, "OFF", True)
-
-
-@pytest.fixture
 def no_added_definitions(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Reset the message definitions to our own: definitions that a test adds are forgotten with it."""
     monkeypatch.setattr(definitions, "_added", {})
