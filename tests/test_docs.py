@@ -60,7 +60,7 @@ def run(source, where, shows):
 """
 
 
-_NAME = re.compile(r"(?<![\w/.])robowidgets(?:\.[A-Za-z_]\w*)+(?![\w:])")
+_NAME = re.compile(r"(?<![\w/.])robowidgets(?:\.[A-Za-z_]\w*)+(?![\w:]| import)")
 _EACH_NAME = """
 import os, sys
 import robowidgets

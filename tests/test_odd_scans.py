@@ -22,7 +22,7 @@ DURATION = 20.0
 """Seconds of the recording in which scans are odd: examples read single moments of it, or all of it."""
 
 RUN = """
-import os, sys, time
+import linecache, os, sys, time
 import robowidgets.behaviors.simulation as simulation
 import robowidgets.screens.player as player
 import robowidgets.samples.scan as scan
@@ -43,6 +43,12 @@ def odd_floats(name, values):
 
 scan.floats = odd_floats
 
+parts = []
+for i, text in enumerate(texts):
+    name = f"{page}, part {i + 1}"
+    linecache.cache[name] = len(text), None, text.splitlines(keepends=True), name  # as a notebook does for its cells
+    parts.append(compile(text, name, "exec"))
+
 for i, odd in enumerate(MET):
     robowidgets.SAMPLE = Path(sys.argv[1], f"{i}.mcap")
     names = {"__name__": "__main__", "display": display}
@@ -56,15 +62,14 @@ for i, odd in enumerate(MET):
 
 
 def sources() -> dict[str, list[str]]:
-    """The Python of each page and notebook that uses distances, each line at its line number in the page."""
-    pages: dict[str, list[tuple[int, str]]] = {}
+    """The Python of each page and notebook that uses distances."""
+    pages: dict[str, list[str]] = {}
     for file in FILES:
-        pages.setdefault(file.name, []).extend((b.line, b.text) for b in blocks(file) if b.language == "python")
+        pages.setdefault(file.name, []).extend(b.text for b in blocks(file) if b.language == "python")
     for file in NOTEBOOKS:
-        pages[file.name] = [(1, cell.source) for cell in read(file).cells if cell.cell_type == "code"]
-    parts = {name: ["\n" * (line - 1) + text for line, text in page] for name, page in pages.items()}
+        pages[file.name] = [cell.source for cell in read(file).cells if cell.cell_type == "code"]
     uses = re.compile(r"distance|nearest|\branges\b")
-    return {name: page for name, page in parts.items() if uses.search("".join(page)) and name not in DRIVES}
+    return {name: page for name, page in pages.items() if uses.search("".join(page)) and name not in DRIVES}
 
 
 SOURCES = sources()
@@ -98,8 +103,7 @@ def test_the_pages_that_use_distances_are_found() -> None:
 @pytest.mark.parametrize("name", SOURCES)
 def test_every_example_runs_on_any_scan(name: str, recordings: Path, tmp_path: Path) -> None:
     script = tmp_path / "page.py"
-    compiled = ", ".join(f"compile({part!r}, {name!r}, 'exec')" for part in SOURCES[name])
-    script.write_text(f"import robowidgets\nparts = [{compiled}]\n{RUN}", encoding="utf-8")
+    script.write_text(f"import robowidgets\npage, texts = {name!r}, {SOURCES[name]!r}\n{RUN}", encoding="utf-8")
     ended = subprocess.run(
         [sys.executable, script, recordings], cwd=tmp_path, capture_output=True, text=True, check=False
     )
