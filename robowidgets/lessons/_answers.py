@@ -27,7 +27,7 @@ OWN = ("state", "variables")
 
 _PAGE = re.compile(r"^(feeds|lessons|robot|display|\w*Widget|show)$")
 """Names whose calls show or connect something. Cells that define answers do not need them."""
-_USED = ("behaviors", "search.conditions", "feeds", "lessons", "simulator")
+_USED = ("behaviors", "recordings.search.conditions", "feeds", "lessons", "simulator")
 """Modules that lessons import."""
 
 _MOST_MEMORY, _MOST_FILE, _MOST_SECONDS = 4 << 30, 1 << 20, 600
