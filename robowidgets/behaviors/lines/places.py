@@ -38,7 +38,6 @@ class NotedPlace:
     Attributes:
         kind: one of the kinds above.
         line: the line in the file on which its value is shown.
-        column, end_line, end_column: the range of the expression, in characters.
         text: its source.
         extras: the number of values that its note has in addition to its own.
         names: the names that the value is assigned to.
@@ -49,9 +48,6 @@ class NotedPlace:
 
     kind: str
     line: int
-    column: int
-    end_line: int
-    end_column: int
     text: str = ""
     extras: int = 0
     names: tuple[str, ...] = ()
@@ -62,11 +58,10 @@ class NotedPlace:
 
 @dataclass(frozen=True)
 class Loop:
-    """A loop: its line, the loop around it, and its last line."""
+    """A loop: its line, and the loop around it, or None."""
 
     line: int
     around: int | None
-    end_line: int
 
 
 @dataclass(frozen=True)

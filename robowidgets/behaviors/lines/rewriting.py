@@ -348,7 +348,7 @@ class _Rewriter:
             inner += [(node, "body", [], None), (node, "orelse", [], None)]
         elif isinstance(node, (ast.While, ast.For)):
             loop = len(self.loops)
-            self.loops.append(Loop(line, self._loop, _end_of_body(node)))
+            self.loops.append(Loop(line, self._loop))
             if isinstance(node, ast.For):
                 node.iter = self._value(node.iter)
                 first = self._in_loop(loop, functools.partial(self._pass, node.target, node.target))
@@ -572,10 +572,7 @@ class _Rewriter:
         is_shown_there = kind in (COMPARE, OPERAND, RAYS)
         line: int = at.lineno if is_shown_there else self._line
         text = "" if kind in (MARK, PASS) else self._text_of(at)
-        end: tuple[int, int] = at.end_lineno or line, at.end_col_offset or 0
-        self.places.append(
-            NotedPlace(kind, line, at.col_offset, *end, text, len(extras), names, relation, tuple(operands), self._loop)
-        )
+        self.places.append(NotedPlace(kind, line, text, len(extras), names, relation, tuple(operands), self._loop))
         number = ast.copy_location(ast.Constant(len(self.places) - 1), at)
         which = len(extras) + (0 if self._loop is None else MOST_EXTRAS + 1)
         function = ast.copy_location(ast.Constant(_NOTES[which]), at)
@@ -634,7 +631,3 @@ def _first_line(node: Any) -> int:
     if hasattr(node, "pattern"):
         return int(node.pattern.lineno)
     return int(min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", ()))]))
-
-
-def _end_of_body(node: Any) -> int:
-    return int(node.body[-1].end_lineno or node.lineno)
