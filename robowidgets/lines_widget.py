@@ -8,7 +8,7 @@ from typing import Any
 
 import traitlets
 
-from .behaviors.lines.packed import Totals, calls_by_function, key_of, packed_function, packed_step, spread
+from .behaviors.lines.packed import Totals, calls_by_function, packed_function, packed_step, spread
 from .behaviors.lines.watch import WatchedStep
 from .behaviors.program import Program
 from .behaviors.programs import Programs
@@ -166,8 +166,8 @@ class LinesWidget(RobotWidget[WatchedStep]):
         found = len(self._functions)
         for step in steps:
             for call in step.calls:
-                if key_of(call.source) not in self._functions:
-                    self._functions[key_of(call.source)] = packed_function(call)
+                if call.source.key not in self._functions:
+                    self._functions[call.source.key] = packed_function(call)
         name, number = self._version or ("", 0)
         if len(self._functions) != found or self._code.get("key") != f"{name} {number}":
             self._trait_values["_code"] = {

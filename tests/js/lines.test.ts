@@ -1,8 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import type { Host } from "../../robowidgets/js/laser/layer.ts";
+import { LitLayer } from "../../robowidgets/js/laser/lit_layer.ts";
 import { stretchesOf } from "../../robowidgets/js/lines/graph.ts";
 import { tokensOf } from "../../robowidgets/js/lines/python.ts";
 import { type Line, type Step, type Steps, tracesOf } from "../../robowidgets/js/lines/steps.ts";
+import { light } from "../../robowidgets/js/shared/lit.ts";
 
 test("the parts of a line of Python are all of its text", () => {
   const line = `    def f(x=0.5, *a): return "a # b" if x != 1e-3 else r'\\d'  # why "not"`;
@@ -57,4 +60,19 @@ test("neighbouring stretches are one, and a pause ends a stretch", () => {
     [0, 1],
     [5, 6],
   ]);
+});
+
+test("of several lasers only the one whose scan was read is lit, and one without a frame in any case", () => {
+  const { signal } = new AbortController();
+  const layers = ["front", "rear", ""].map((frame_id) => {
+    const stream = { robot: "here", about: { frame_id } };
+    return new LitLayer({ stream, card: { redraw() {} }, signal } as unknown as Host);
+  });
+  const lit = () => layers.map((layer) => Object.keys(layer.painters()).length > 0);
+  light("here", [{ runs: [0, 3], nearest: 1, frame: "rear" }]);
+  assert.deepEqual(lit(), [false, true, true]);
+  light("there", []);
+  assert.deepEqual(lit(), [false, true, true]);
+  light("here", []);
+  assert.deepEqual(lit(), [false, false, false]);
 });

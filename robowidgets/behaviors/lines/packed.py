@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from .places import FunctionSource
 from .shown import FLAG, LineValues, levels_of, lines_of, passes_of
 from .values import text_of
 from .watch import WatchedCall, WatchedStep
@@ -14,16 +13,11 @@ _UNITS = {"time": "s", "since": "s", "driven": "m", "turned": "rad"}
 """The units of the arguments of a step, by parameter."""
 
 
-def key_of(source: FunctionSource) -> str:
-    """The name of a function for the page, such as ``avoid 12``."""
-    return f"{source.name} {source.first}"
-
-
 def packed_function(call: WatchedCall) -> dict[str, Any]:
     """The source of a function, and why it has no values."""
     source = call.source
     return {
-        "key": key_of(source),
+        "key": source.key,
         "name": source.name,
         "first": source.first,
         "texts": source.texts,
@@ -36,8 +30,8 @@ def calls_by_function(step: WatchedStep) -> list[WatchedCall]:
     """The last call of each function of a step, in the order of their lines; the failed one in any case."""
     last: dict[str, WatchedCall] = {}
     for call in step.calls:
-        if not last.get(key_of(call.source), call).error or call.error:
-            last[key_of(call.source)] = call
+        if not last.get(call.source.key, call).error or call.error:
+            last[call.source.key] = call
     return sorted(last.values(), key=lambda call: call.source.first)
 
 
@@ -55,7 +49,7 @@ def packed_step(step: WatchedStep) -> dict[str, Any]:
 def _packed_call(call: WatchedCall) -> dict[str, Any]:
     line = call.error_line
     return {
-        "key": key_of(call.source),
+        "key": call.source.key,
         "lines": [_packed_line(line) for line in lines_of(call)],
         "loops": [[*one] for one in passes_of(call)],
         "error": [line - call.source.first, call.error] if call.error and line is not None else None,
@@ -79,7 +73,7 @@ class Totals:
         for step in steps:
             self.steps += 1
             for call in calls_by_function(step):
-                counts = self._counts.setdefault(key_of(call.source), {})
+                counts = self._counts.setdefault(call.source.key, {})
                 for line, (kind, level) in levels_of(call).items():
                     count = counts.setdefault(line, [0, 0])
                     count[0] += 1

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
+from zlib import crc32
 
-VALUE, TEST, COMPARE, OPERAND, RAYS, MARK, PASS = "value", "test", "compare", "operand", "rays", "mark", "pass"
-"""Kinds of places: the value of a statement, a test, a comparison, a part of a condition, a call that reads rays, the
-beginning of a statement without a value, and the beginning of a pass of a loop."""
+VALUE, TEST, EFFECT, COMPARE, OPERAND, RAYS = "value", "test", "effect", "compare", "operand", "rays"
+MARK, PASS = "mark", "pass"
+"""Kinds of places: the value of a statement, a test, the value of an expression that is a statement, such as print(), a
+comparison, a part of a condition, a call that reads rays, the beginning of a statement without a value, and the
+beginning of a pass of a loop."""
+OWN = (VALUE, TEST, EFFECT)
+"""The kinds that are the value of a whole line."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +38,9 @@ class NotedPlace:
     Attributes:
         kind: one of the kinds above.
         line: the line in the file on which its value is shown.
-        column, end_line, end_column: the range of the expression, in characters.
         text: its source.
         extras: the number of values that its note has in addition to its own.
         names: the names that the value is assigned to.
-        units: the unit of each of these names, empty if it is not known.
         relation: of a comparison with two sides, such as ``<``.
         operands: for a comparison its sides. For a call that reads rays the scan, then the sector.
         loop: the number of the innermost loop around it, or None.
@@ -44,13 +48,9 @@ class NotedPlace:
 
     kind: str
     line: int
-    column: int
-    end_line: int
-    end_column: int
     text: str = ""
     extras: int = 0
     names: tuple[str, ...] = ()
-    units: tuple[str, ...] = ()
     relation: str = ""
     operands: tuple[Operand, ...] = ()
     loop: int | None = None
@@ -58,11 +58,10 @@ class NotedPlace:
 
 @dataclass(frozen=True)
 class Loop:
-    """A loop: its line, the loop around it, and its last line."""
+    """A loop: its line, and the loop around it, or None."""
 
     line: int
     around: int | None
-    end_line: int
 
 
 @dataclass(frozen=True)
@@ -77,6 +76,7 @@ class FunctionSource:
         places: by number.
         loops: by number.
         reach: for each line of code, the numbers of the places that show that it was reached.
+        column: of its beginning, in bytes.
     """
 
     name: str
@@ -86,3 +86,10 @@ class FunctionSource:
     places: tuple[NotedPlace, ...] = ()
     loops: tuple[Loop, ...] = ()
     reach: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
+    column: int = 0
+
+    @cached_property
+    def key(self) -> str:
+        """A name that no other function has: two cells may have one of the same name, on the same line."""
+        own = self.file, self.column, self.texts
+        return f"{self.name} {self.first} {crc32(repr(own).encode(errors='replace')):08x}"

@@ -16,14 +16,16 @@ import ast
 import copy
 import functools
 import linecache
+import re
 import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from types import CodeType, FunctionType, MethodType
 from typing import Any
 
-from .places import COMPARE, MARK, OPERAND, PASS, RAYS, TEST, VALUE, FunctionSource, Loop, NotedPlace, Operand
+from .places import COMPARE, EFFECT, MARK, OPERAND, PASS, RAYS, TEST, VALUE, FunctionSource, Loop, NotedPlace, Operand
 
 READS_RAYS = ("distance", "nearest", "at")
 """Methods of a scan that look at some of its rays."""
@@ -74,7 +76,7 @@ class Rewritten:
 
     def bind(self, notes: Notes) -> Callable[..., Any]:
         """Return the rewritten function, whose values go to these functions."""
-        inner = _function_in(self.function)
+        inner = function_in(self.function)
         by_name: dict[str, Any] = dict(zip(_NOTES, notes, strict=True))
         constants = tuple(by_name.get(one, one) if type(one) is str else one for one in self.code.co_consts)
         made = FunctionType(
@@ -96,7 +98,7 @@ def rewritten(function: Callable[..., Any]) -> Rewritten:
     Raises:
         NotRewrittenError: it cannot be rewritten; the text says why.
     """
-    inner = _function_in(function)
+    inner = function_in(function)
     code = inner.__code__
     if code.co_flags & (_GENERATOR | _COROUTINE | _ASYNC_GENERATOR):
         what = "async" if code.co_flags & (_COROUTINE | _ASYNC_GENERATOR) else "a generator"
@@ -107,15 +109,32 @@ def rewritten(function: Callable[..., Any]) -> Rewritten:
     lines = linecache.getlines(code.co_filename, inner.__globals__)
     if not lines:
         raise NotRewrittenError("its source is not known")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Python has warned when the user's own code was compiled.
-        return _rewritten(function, code, "".join(lines), lines)
+    with _without_warnings(code.co_filename):
+        return _rewritten(function, code, lines)
 
 
-def _rewritten(function: Callable[..., Any], code: CodeType, text: str, lines: Sequence[str]) -> Rewritten:
+@contextmanager
+def _without_warnings(file: str) -> Iterator[None]:
+    """Ignore the warnings about the source of a file: Python has warned when the user's own code was compiled.
+
+    `warnings.catch_warnings` restores all filters at its end. If another thread uses it at the same time, the filters
+    of one of them may stay in force for ever.
+    """
+    filters: Any = warnings.filters
+    ours = ("ignore", None, Warning, re.compile(re.escape(file.removesuffix(".py")) + r"\Z"), 0)
+    filters.insert(0, ours)
+    try:
+        yield
+    finally:
+        for each in (filters, warnings.filters):  # another thread may have put a copy in force
+            if ours in each:
+                each.remove(ours)
+
+
+def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str]) -> Rewritten:
     changed = NotRewrittenError("its source has changed since it was defined")
     try:
-        whole = ast.parse(text, code.co_filename)
+        whole = ast.parse("".join(lines), code.co_filename)
     except (SyntaxError, ValueError, RecursionError):
         raise changed from None
     # A notebook compiles each statement of a cell by itself, and what Python makes of a call depends on imports.
@@ -130,16 +149,19 @@ def _rewritten(function: Callable[..., Any], code: CodeType, text: str, lines: S
     if len(nodes) > 1 and len(nodes) != len(there):
         raise NotRewrittenError("several functions of its name are on its line")
     node = nodes[0] if len(nodes) == 1 else nodes[same[0]]
-    rewriter = _Rewriter(code, text)
+    rewriter = _Rewriter(code, lines)
     rewriter.rewrite(node)
     ast.fix_missing_locations(tree)
-    found = [one for one in _codes_like(code, _compiled(tree, code)) if _is_noting(one)]
+    noting = [(i, one) for i, one in enumerate(_codes_like(code, _compiled(tree, code))) if _is_noting(one)]
     # A function without any place, such as one that only has a docstring, is as it was.
-    made = found[0] if found else code
+    number, made = noting[0] if noting else (same[0], code)
+    if number not in same:  # a lambda in the defaults of another one is compiled first, and stands after its beginning
+        raise NotRewrittenError("several functions of its name are on its line")
     if made.co_freevars != code.co_freevars or made.co_varnames != code.co_varnames:
         raise NotRewrittenError("its variables would change")
     first, end = code.co_firstlineno, node.end_lineno or code.co_firstlineno
-    texts = textwrap.dedent("".join(lines[first - 1 : end])).expandtabs(4).splitlines()
+    # Not splitlines(), for which a line ends at a form feed, too.
+    texts = textwrap.dedent("".join(lines[first - 1 : end])).expandtabs(4).rstrip("\n").split("\n")
     source = FunctionSource(
         code.co_name,
         code.co_filename,
@@ -148,16 +170,17 @@ def _rewritten(function: Callable[..., Any], code: CodeType, text: str, lines: S
         tuple(rewriter.places),
         tuple(rewriter.loops),
         rewriter.reach_of_lines(first, end, lines),
+        node.col_offset,
     )
     return Rewritten(source, made, function)
 
 
-def _function_in(function: Any) -> FunctionType:
+def function_in(function: Any) -> FunctionType:
     """The Python function in a callable; raise NotRewrittenError without one."""
     if isinstance(function, functools.partial):
-        return _function_in(function.func)
+        return function_in(function.func)
     if isinstance(function, MethodType):
-        return _function_in(function.__func__)
+        return function_in(function.__func__)
     if isinstance(function, FunctionType):
         return function
     called = next((vars(kind)["__call__"] for kind in type(function).__mro__ if "__call__" in vars(kind)), None)
@@ -223,8 +246,10 @@ def _is_same(one: Any, other: Any) -> bool:
         return False
     if isinstance(one, CodeType):
         names = ("co_code", "co_names", "co_varnames", "co_freevars", "co_cellvars", "co_argcount", "co_name")
-        return all(getattr(one, name) == getattr(other, name) for name in names) and _is_same(
-            one.co_consts, other.co_consts
+        return (
+            all(getattr(one, name) == getattr(other, name) for name in names)
+            and _is_same(one.co_consts, other.co_consts)
+            and [*one.co_lines()] == [*other.co_lines()]  # else its values would be shown on other lines
         )
     if isinstance(one, tuple):
         return len(one) == len(other) and all(map(_is_same, one, other))
@@ -234,10 +259,10 @@ def _is_same(one: Any, other: Any) -> bool:
 class _Rewriter:
     """Rewrites the body of one function."""
 
-    def __init__(self, code: CodeType, text: str) -> None:
+    def __init__(self, code: CodeType, lines: Sequence[str]) -> None:
         self.places: list[NotedPlace] = []
         self.loops: list[Loop] = []
-        self._lines = [line.encode() for line in text.splitlines(keepends=True)]
+        self._lines = [line.encode() for line in lines]
         self._plain = frozenset(code.co_varnames) - {*code.co_cellvars, *code.co_freevars}
         """The local variables that no inner function uses: to read one has no effect."""
         self._loop: int | None = None
@@ -302,9 +327,9 @@ class _Rewriter:
             if (pair := _parts_of(targets, node.value)) is not None:
                 values, names_of_each = pair
                 for i, names in enumerate(names_of_each):
-                    values[i] = self._value(values[i], names, _units_of(values[i]))
+                    values[i] = self._value(values[i], names)
             else:
-                node.value = self._value(node.value, _names_of(targets), _units_of(node.value))
+                node.value = self._value(node.value, _names_of(targets))
         elif isinstance(node, ast.AugAssign):
             node.value = self._parts(node.value)
             if isinstance(node.target, ast.Name) and node.target.id in self._plain:
@@ -313,7 +338,7 @@ class _Rewriter:
             else:
                 node.value = self._wrap(node.value, VALUE)
         elif isinstance(node, (ast.Return, ast.Expr)) and not _has_no_value(node):
-            node.value = self._value(node.value)
+            node.value = self._value(node.value, kind=EFFECT if isinstance(node, ast.Expr) else VALUE)
         elif isinstance(node, ast.Assert):
             node.test = self._test(node.test)
         elif isinstance(node, ast.Raise) and node.exc is not None:
@@ -323,7 +348,7 @@ class _Rewriter:
             inner += [(node, "body", [], None), (node, "orelse", [], None)]
         elif isinstance(node, (ast.While, ast.For)):
             loop = len(self.loops)
-            self.loops.append(Loop(line, self._loop, _end_of_body(node)))
+            self.loops.append(Loop(line, self._loop))
             if isinstance(node, ast.For):
                 node.iter = self._value(node.iter)
                 first = self._in_loop(loop, functools.partial(self._pass, node.target, node.target))
@@ -423,11 +448,11 @@ class _Rewriter:
 
     # -- expressions ---------------------------------------------------------------------------------------------------
 
-    def _value(self, node: Any, names: tuple[str, ...] = (), units: tuple[str, ...] = ()) -> Any:
+    def _value(self, node: Any, names: tuple[str, ...] = (), kind: str = VALUE) -> Any:
         """The value of a statement."""
         if self._is_own(node):
-            return self._noted(node, kind=VALUE, names=names, units=units)
-        return self._wrap(self._parts(node), VALUE, names=names, units=units)
+            return self._noted(node, kind, names)
+        return self._wrap(self._parts(node), kind, names=names)
 
     def _test(self, node: Any) -> Any:
         if isinstance(node, ast.Constant):
@@ -477,10 +502,10 @@ class _Rewriter:
             return self._parts(node)
         return self._wrap(self._parts(node), OPERAND)
 
-    def _noted(self, node: Any, kind: str = "", names: tuple[str, ...] = (), units: tuple[str, ...] = ()) -> Any:
+    def _noted(self, node: Any, kind: str = "", names: tuple[str, ...] = ()) -> Any:
         """A comparison with its sides, or a call that reads rays with its scan and its sector."""
         if not isinstance(node, ast.Compare):
-            return self._noted_rays(node, kind or RAYS, names, units)
+            return self._noted_rays(node, kind or RAYS, names)
         has_walrus = any(isinstance(one, ast.NamedExpr) for one in ast.walk(node))
         sides = [node.left, *node.comparators]
         made: list[ast.expr] = []
@@ -495,7 +520,7 @@ class _Rewriter:
         relation = _RELATIONS[type(node.ops[0])] if len(node.ops) == 1 else ""
         return self._wrap(node, kind or COMPARE, names=names, extras=extras, relation=relation, operands=operands)
 
-    def _noted_rays(self, node: Any, kind: str, names: tuple[str, ...], units: tuple[str, ...]) -> Any:
+    def _noted_rays(self, node: Any, kind: str, names: tuple[str, ...]) -> Any:
         has_walrus = any(isinstance(one, ast.NamedExpr) for one in ast.walk(node))
         scan, node.func.value, extras = self._operand(node.func.value, 0, is_read=not has_walrus)
         operands = [scan]
@@ -514,7 +539,7 @@ class _Rewriter:
             else:
                 keyword.value = self._sub(keyword.value)
         noted: dict[str, Any] = {"extras": extras, "relation": node.func.attr, "operands": operands}
-        return self._wrap(node, kind, names=names, units=units, **noted)
+        return self._wrap(node, kind, names=names, **noted)
 
     def _operand(self, node: Any, extras: int, *, is_read: bool) -> tuple[Operand, Any, list[ast.expr]]:
         """A side of a comparison, its node, and, of a local variable, what reads it after the comparison."""
@@ -537,7 +562,6 @@ class _Rewriter:
         kind: str,
         *,
         names: tuple[str, ...] = (),
-        units: tuple[str, ...] = (),
         extras: Sequence[ast.expr] = (),
         relation: str = "",
         operands: Sequence[Operand] = (),
@@ -548,12 +572,7 @@ class _Rewriter:
         is_shown_there = kind in (COMPARE, OPERAND, RAYS)
         line: int = at.lineno if is_shown_there else self._line
         text = "" if kind in (MARK, PASS) else self._text_of(at)
-        end: tuple[int, int] = at.end_lineno or line, at.end_col_offset or 0
-        self.places.append(
-            NotedPlace(
-                kind, line, at.col_offset, *end, text, len(extras), names, units, relation, tuple(operands), self._loop
-            )
-        )
+        self.places.append(NotedPlace(kind, line, text, len(extras), names, relation, tuple(operands), self._loop))
         number = ast.copy_location(ast.Constant(len(self.places) - 1), at)
         which = len(extras) + (0 if self._loop is None else MOST_EXTRAS + 1)
         function = ast.copy_location(ast.Constant(_NOTES[which]), at)
@@ -597,11 +616,6 @@ def _names_of(targets: Iterable[Any]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _units_of(value: Any) -> tuple[str, ...]:
-    """The unit of a value that is assigned, empty if it is not known."""
-    return ("m" if _reads_rays(value) and value.func.attr == "distance" else "",)
-
-
 def _parts_of(targets: Sequence[ast.expr], value: ast.expr) -> tuple[list[ast.expr], list[tuple[str, ...]]] | None:
     """Of ``a, b = c, d`` its values, and the names of each, or None for any other assignment."""
     target = targets[0]
@@ -617,7 +631,3 @@ def _first_line(node: Any) -> int:
     if hasattr(node, "pattern"):
         return int(node.pattern.lineno)
     return int(min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", ()))]))
-
-
-def _end_of_body(node: Any) -> int:
-    return int(node.body[-1].end_lineno or node.lineno)

@@ -11,7 +11,7 @@ import numpy as np
 from ...samples import Ray, Scan
 from ...samples.sector import ALL_ROUND
 from .noting import CallNotes, Noted
-from .places import COMPARE, MARK, OPERAND, PASS, RAYS, TEST, VALUE, NotedPlace, Operand
+from .places import COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, TEST, NotedPlace, Operand
 from .values import Glimpse, number_text, text_of
 from .watch import WatchedCall
 
@@ -25,10 +25,14 @@ NUMBER, FLAG, REACHED = "number", "flag", "reached"
 
 
 class RaysRead(NamedTuple):
-    """Rays that a line read: first and stop of each run of them, and the one that decided, -1 if that is not known."""
+    """Rays that a line read: first and stop of each run of them, and the one that decided, -1 if that is not known.
+
+    ``frame`` is the frame of their scan, since a robot may have several lasers.
+    """
 
     runs: tuple[int, ...]
     nearest: int
+    frame: str = ""
 
 
 class LineValues(NamedTuple):
@@ -84,7 +88,7 @@ def levels_of(call: WatchedCall) -> dict[int, tuple[str, float | None]]:
     places, first = notes.source.places, notes.source.first
     own: dict[int, list[Noted]] = {}
     for seen in notes.last.values():
-        if places[seen.place].kind in (VALUE, TEST):
+        if places[seen.place].kind in OWN:
             own.setdefault(places[seen.place].line, []).append(seen)
     levels: dict[int, tuple[str, float | None]] = {}
     for line, numbers in notes.source.reach.items():
@@ -96,7 +100,7 @@ def levels_of(call: WatchedCall) -> dict[int, tuple[str, float | None]]:
 
 def _line(notes: CallNotes, line: int, seen: list[Noted]) -> LineValues:
     places, number = notes.source.places, line - notes.source.first
-    own = sorted((one for one in seen if places[one.place].kind in (VALUE, TEST)), key=lambda one: one.place)
+    own = sorted((one for one in seen if places[one.place].kind in OWN), key=lambda one: one.place)
     inner = [one for one in seen if places[one.place].kind in (COMPARE, OPERAND, RAYS)]
     marks = [one for one in seen if places[one.place].kind in (MARK, PASS)]
     count = max((notes.counts[one.place] for one in (own or marks or inner)), default=1)
@@ -105,20 +109,23 @@ def _line(notes: CallNotes, line: int, seen: list[Noted]) -> LineValues:
     main = own[-1]
     place = places[main.place]
     if len(own) > 1 and all(places[one.place].names for one in own):  # a, b = c, d
-        text = ", ".join(_named(places[one.place], one) for one in own)
+        text = ", ".join(_named(notes, one) for one in own)
         return LineValues(number, text, _details(notes, inner), count, REACHED, 1.0, _rays(notes, [*own, *inner]))
-    # The value of an expression statement, such as print(), is of interest only if there is one.
-    text = "" if main.value is None and not place.names and place.kind == VALUE else _value(place, main.value)
+    text = "" if main.value is None and place.kind == EFFECT else _value(notes, main)
     details = _details(notes, [*([main] if place.relation else []), *inner])
     kind, level = _level(main.value)
     return LineValues(number, text, details, count, kind, level, _rays(notes, [*own, *inner]))
 
 
-def _value(place: NotedPlace, value: Any) -> str:
+def _value(notes: CallNotes, seen: Noted) -> str:
+    place, value = notes.source.places[seen.place], seen.value
     if len(place.names) > 1 and type(value) is Glimpse and len(value.parts) == len(place.names) == value.count:
         return ", ".join(f"{name} {text_of(one)}" for name, one in zip(place.names, value.parts, strict=True))
-    unit = place.units[0] if len(place.units) == 1 else "m" if place.relation == "distance" else ""
-    return text_of(value, unit if type(value) in (float, int) else "")
+    if place.relation == "distance" and type(value) in (float, int):
+        of = _side(notes, place.operands[0], seen)
+        # A distance of an object of the user's has another unit, perhaps; of a depth image only the name is kept.
+        return text_of(value, "m" if type(of) is Scan or of == Glimpse("Image") else "")
+    return text_of(value)
 
 
 def _level(value: Any) -> tuple[str, float | None]:
@@ -139,7 +146,7 @@ def _details(notes: CallNotes, seen: list[Noted]) -> tuple[str, ...]:
             found.append(f"{', '.join(place.names) or place.text} is {text_of(one.value)}")
         elif place.relation in ("distance", "nearest", "at"):
             if place.kind == RAYS and one.place not in sides:
-                found.append(f"{_sector_text(place)} {_value(place, one.value)}".strip())
+                found.append(f"{_sector_text(place)} {_value(notes, one)}".strip())
         elif place.relation:
             found.append(_comparison(notes, one))
     return tuple(dict.fromkeys(found))[:_MOST_DETAILS]
@@ -193,7 +200,7 @@ def rays_read(scan: Scan, place: NotedPlace, seen: Noted, notes: CallNotes) -> R
     """Return the rays of a scan that a call read, or None if they are not known."""
     value = seen.value
     if place.relation == "at":
-        return RaysRead((value.index, value.index + 1), value.index) if type(value) is Ray else None
+        return RaysRead((value.index, value.index + 1), value.index, scan.frame_id) if type(value) is Ray else None
     sector: Any = ALL_ROUND
     if len(place.operands) > 1:
         sector = _side(notes, place.operands[1], seen)
@@ -210,7 +217,7 @@ def rays_read(scan: Scan, place: NotedPlace, seen: Noted, notes: CallNotes) -> R
     runs = np.stack((firsts, stops), axis=1).ravel().tolist() if len(indices) else []
     # A percentile is the distance of no ray.
     is_its = nearest is not None and (type(value) is Ray or value == scan.distance(sector))
-    return RaysRead(tuple(runs), nearest.index if nearest is not None and is_its else -1)
+    return RaysRead(tuple(runs), nearest.index if nearest is not None and is_its else -1, scan.frame_id)
 
 
 def passes_of(call: WatchedCall) -> list[Passes]:
@@ -237,9 +244,9 @@ def passes_of(call: WatchedCall) -> list[Passes]:
             prefix = f"{labels.get(around, '')}." if around is not None and around in labels else ""
             labels[place.loop] = f"{prefix}{open_[place.loop]}"
             text = f"{labels[place.loop]}:"
-            rows.setdefault(place.loop, []).append([text, *([_named(place, seen)] if place.names else [])])
-        elif place.kind in (VALUE, TEST) and place.line not in heads and rows.get(place.loop):
-            rows[place.loop][-1] += [_named(place, seen)] if place.names or seen.value is not None else []
+            rows.setdefault(place.loop, []).append([text, *([_named(notes, seen)] if place.names else [])])
+        elif place.kind in OWN and place.line not in heads and rows.get(place.loop):
+            rows[place.loop][-1] += [_named(notes, seen)] if place.kind != EFFECT or seen.value is not None else []
     passes = {place.loop: notes.counts.get(i, 0) for i, place in enumerate(source.places) if place.kind == PASS}
     return [
         Passes(
@@ -252,8 +259,8 @@ def passes_of(call: WatchedCall) -> list[Passes]:
     ]
 
 
-def _named(place: NotedPlace, seen: Noted) -> str:
-    value = _value(place, seen.value)
+def _named(notes: CallNotes, seen: Noted) -> str:
+    place, value = notes.source.places[seen.place], _value(notes, seen)
     if len(place.names) == 1:
         return f"{place.names[0]} {value}"
     return value if place.names else f"line {place.line} {value}" if place.kind == TEST else value

@@ -7,13 +7,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from threading import get_ident
 from types import TracebackType
 from typing import Any
 
 from .noting import CallNotes, Notebook
 from .places import FunctionSource
-from .rewriting import NotRewrittenError, Rewritten, rewritten
+from .rewriting import NotRewrittenError, Rewritten, function_in, rewritten
 
 MOST_STEPS = 600
 """Steps that are kept for a view that has not taken them yet."""
@@ -79,7 +78,8 @@ class LineWatch:
         self.newest: WatchedStep | None = None
         self._views: list[deque[WatchedStep]] = []
         self._known: dict[int, _Known] = {}
-        self._lock = threading.Lock()
+        """The functions of the version that runs, by their id."""
+        self._version: tuple[str, int] | None = None
         self._calls: list[WatchedCall] = []
         """The calls of the step that runs, and the thread that makes it."""
         self._thread = 0
@@ -95,6 +95,8 @@ class LineWatch:
         """Put no more steps into a queue."""
         self._views = [one for one in self._views if one is not queue]
         self.is_on = bool(self._views)
+        if not self.is_on:  # a machine has it for longer
+            self.newest, self._known = None, {}
 
     def step(
         self,
@@ -112,26 +114,31 @@ class LineWatch:
             values: the arguments by name.
         """
         calls: list[WatchedCall] = []
-        self._calls, self._thread = calls, get_ident()
+        self._calls, self._thread = calls, threading.get_ident()
+        if program != self._version:
+            self._version, self._known = program, {}
         began = time.monotonic()
         try:
-            if getattr(function, "calls_functions", False):
+            if getattr(type(function), "calls_functions", False) is True:  # of its class: an object may answer anything
                 function.lines = self  # type: ignore[attr-defined]
                 return function(**values)
             return self.call(function, values)
         finally:
             given = [(name, value) for name, value in values.items() if type(value) in _SHOWN]
             number, seconds = made_at
-            step = self.newest = WatchedStep(program, number, seconds, began, calls, given)
-            for queue in self._views:
-                queue.append(step)
+            if self._calls is calls:  # else it was left behind, and another one has begun
+                step = self.newest = WatchedStep(program, number, seconds, began, calls, given)
+                for queue in self._views:
+                    queue.append(step)
 
     def call(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
         """Call a function of the running step. What it raises passes through."""
         calls = self._calls
-        if not self.is_on or self._thread != get_ident():  # the step was left behind, and another one runs
+        if not self.is_on or self._thread != threading.get_ident():  # the step was left behind, and another one runs
             return function(**values)
-        known = self._known.get(id(function)) or self._rewrite(function)
+        known = self._known.get(id(function))
+        if known is None or known.is_outdated():
+            known = self._rewrite(function)
         ready = None
         if known.rewritten is not None:
             ready = known.ready.pop() if known.ready else known.made()
@@ -156,10 +163,12 @@ class LineWatch:
             known = _Known(function, found, found.source)
         except NotRewrittenError as error:
             known = _Known(function, None, _source_without_lines(function), str(error))
-        with self._lock:
-            while len(self._known) >= _MOST_FUNCTIONS:
-                del self._known[next(iter(self._known))]
-            self._known[id(function)] = known
+        except Exception as error:  # the robot drives on: it is shown in the view
+            why = f"its source could not be read ({type(error).__name__}: {error})"
+            known = _Known(function, None, _source_without_lines(function), why)
+        if len(self._known) >= _MOST_FUNCTIONS:
+            self._known = {}
+        self._known[id(function)] = known
         return known
 
 
@@ -176,6 +185,18 @@ class _Known:
     ) -> None:
         self.function, self.rewritten, self.source, self.why = function, found, source, why
         self.ready: list[tuple[Callable[..., Any], Notebook]] = []
+        inner = self._inner = function_in(function) if found is not None else None
+        if inner is not None:
+            self._code, self._defaults, self._keywords = inner.__code__, inner.__defaults__, inner.__kwdefaults__
+
+    def is_outdated(self) -> bool:
+        """Return True if the function was changed in place, as autoreload does."""
+        inner = self._inner
+        return inner is not None and not (
+            inner.__code__ is self._code
+            and inner.__defaults__ is self._defaults
+            and inner.__kwdefaults__ is self._keywords
+        )
 
     def made(self) -> tuple[Callable[..., Any], Notebook]:
         """Another rewritten form: of a call that was left behind, the notes go where nothing reads them."""

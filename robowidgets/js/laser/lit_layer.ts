@@ -21,7 +21,9 @@ export class LitLayer implements Layer {
     onLight(
       () => stream.robot,
       (lit) => {
-        this.#lit = lit;
+        // Of several lasers of a robot, only the one whose scan was read.
+        const { frame_id = "" } = stream.about;
+        this.#lit = lit.filter(({ frame }) => !frame || !frame_id || frame === frame_id);
         card.redraw();
       },
       signal,

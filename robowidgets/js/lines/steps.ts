@@ -40,7 +40,7 @@ export type Line = [
   times: number,
   kind: "number" | "flag" | "reached",
   level: number | null,
-  rays: [runs: number[], nearest: number][],
+  rays: [runs: number[], nearest: number, frame: string][],
 ];
 
 /** A frame of Python: the head, then JSON. */

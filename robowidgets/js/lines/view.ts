@@ -97,7 +97,10 @@ export class LinesView {
     setHidden(this.#table, !step);
     setText(this.#empty, this.#card.waiting("step"));
     this.#card.picture.style.paddingTop = `${this.#card.noticeHeight}px`;
-    if (!frame || !step || isFolded) return;
+    if (!frame || !step || isFolded) {
+      this.#unpoint();
+      return;
+    }
     if (code !== this.#shown) this.#build(code);
     for (const section of this.#sections) {
       section.update(step, failure);
@@ -110,7 +113,7 @@ export class LinesView {
   /** Makes the rows of another version. */
   #build(code: VersionCode): void {
     this.#shown = code;
-    this.#pointed = null;
+    this.#unpoint();
     const functions = code.functions ?? [];
     this.#sections = functions.map((one) => new Section(one, functions.length > 1));
     this.#table.ariaLabel = `lines of ${code.name ?? "the program"}`;
@@ -172,7 +175,7 @@ export class LinesView {
     this.#lit = this.#stream.robot;
     light(
       this.#lit,
-      rays.map(([runs, nearest]) => ({ runs, nearest })),
+      rays.map(([runs, nearest, frame]) => ({ runs, nearest, frame })),
     );
   }
 
@@ -184,6 +187,11 @@ export class LinesView {
     this.#pointed = section ? { section, line } : null;
     if (!section) light(this.#lit, []);
     this.#card.redraw();
+  }
+
+  #unpoint(): void {
+    if (this.#pointed) light(this.#lit, []);
+    this.#pointed = null;
   }
 
   #onKey(event: KeyboardEvent): void {

@@ -4,6 +4,8 @@ import { onAbort } from "./events.ts";
 export interface Lit {
   runs: number[];
   nearest: number;
+  /** The frame of the scan, empty if it has none. */
+  frame: string;
 }
 
 interface Listener {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import SequenceMatcher
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...behaviors.drive import Drive
+from ...behaviors.lines.places import FunctionSource
 from ...behaviors.lines.shown import FLAG, LineValues, levels_of, lines_of, passes_of
 from ...behaviors.lines.values import glimpse, text_of
 from ...behaviors.lines.watch import LineWatch, WatchedCall, WatchedStep
@@ -36,15 +38,17 @@ if TYPE_CHECKING:
 _WIDEST = 60
 """Characters of code in front of values."""
 _SHOWN = 20
+_NOT_REACHED, _REACHED, _FALSE, _TRUE = range(4)
+"""Of each step one of these is kept for each line."""
 
 
 class _Made(NamedTuple):
-    """A step that was made: its time, what was noted, what it returned, and whether it raised an error."""
+    """A step that was made: its time, what was noted, what it returned, and the error that ended it, or empty."""
 
     time_ns: int
     step: WatchedStep
     returned: Any
-    failed: bool
+    error: str
 
 
 class StepText:
@@ -59,7 +63,7 @@ class StepText:
     def __init__(self, seconds: float, made: _Made) -> None:
         self.seconds, self.returned = seconds, made.returned
         self._calls = made.step.calls
-        self.error = next((call.error for call in self._calls if call.error), "")
+        self.error = made.error
 
     def __getitem__(self, line: int) -> str:
         """The value of a line, by its number in the file or the cell; empty if it was not reached, or has none."""
@@ -70,7 +74,10 @@ class StepText:
         return ""
 
     def __repr__(self) -> str:
-        return "\n".join((f"at {self.seconds:.2f} s", *(text for call in self._calls for text in _texts(call))))
+        texts = [text for call in self._calls for text in _texts(call)]
+        if self.error and not any(call.error for call in self._calls):  # such as a value that is not a speed
+            texts.append(f"! {self.error}")
+        return "\n".join((f"at {self.seconds:.2f} s", *texts))
 
     def _repr_html_(self) -> str:
         return f"<pre>{escape(repr(self))}</pre>"
@@ -80,7 +87,7 @@ class RecordedLines:
     """A function, and what each of its lines was over a recording; printed, a table of its lines.
 
     `Recording.lines` makes it. A function of samples or of one moment is called at each of them; one that takes more of
-    what a program gets, and a program, is stepped through time. Of each step only a number for each line is kept: the
+    what a program gets, and a program, is stepped through time. Of each step only a byte for each line is kept: the
     values of a moment are computed again when they are asked for.
 
     Attributes:
@@ -92,22 +99,32 @@ class RecordedLines:
         self._walker = _Walker(recording, function, rate, topics)
         self._start_ns = recording.start_ns or 0
         self._end_ns = self._start_ns
-        self._levels: list[dict[int, tuple[str, float | None]]] = []
+        self._functions: dict[str, WatchedCall] = {}
+        """A call of each function."""
+        self._codes: dict[tuple[str, int], bytearray] = {}
+        """For each line, by its function and its number, a byte for each step."""
         self._times: list[int] = []
         self.error = ""
-        self._source: WatchedCall | None = None
-        for made in self._walker.walk():
-            self._times.append(made.time_ns)
-            levels: dict[int, tuple[str, float | None]] = {}
-            for call in made.step.calls:
-                self._source = self._source or call
-                levels.update({call.source.first + line: level for line, level in levels_of(call).items()})
-            self._levels.append(levels)
-            if made.failed:
-                error = next((call.error for call in made.step.calls if call.error), "an error")
-                self.error = f"{error} at {(made.time_ns - self._start_ns) / 1e9:.2f} s"
+        with _bar() as bar:
+            for made in self._walker.walk(bar):
+                self._add(made)
+        for codes in self._codes.values():
+            codes.extend(bytes(len(self._times) - len(codes)))
         self._end_ns = self._walker.end_ns
         self.seconds = (np.array(self._times, np.int64) - self._start_ns) / 1e9
+
+    def _add(self, made: _Made) -> None:
+        number = len(self._times)
+        self._times.append(made.time_ns)
+        for call in made.step.calls:
+            source = call.source
+            self._functions.setdefault(source.key, call)
+            for line, (kind, level) in levels_of(call).items():
+                codes = self._codes.setdefault((source.key, source.first + line), bytearray())
+                codes.extend(bytes(number + 1 - len(codes)))
+                codes[number] = _REACHED if kind != FLAG else _TRUE if level == 1.0 else _FALSE
+        if made.error:
+            self.error = f"{made.error} at {(made.time_ns - self._start_ns) / 1e9:.2f} s"
 
     def __len__(self) -> int:
         return len(self._times)
@@ -135,26 +152,19 @@ class RecordedLines:
         Raises:
             ValueError: no code is on this line, or it was in no step.
         """
-        known = sorted({number for levels in self._levels for number in levels})
-        reachable = sorted(self._lines_of_code())
-        if line not in (*known, *reachable):
+        reachable = sorted({number for call in self._functions.values() for number in call.source.reach})
+        if line not in reachable:
             there = f"{reachable[0]} to {reachable[-1]}" if reachable else "none"
             raise ValueError(f"line: expected the number of a line with code, {there}, got {line!r}")
-        is_flag = any(levels.get(line, ("", None))[0] == FLAG for levels in self._levels)
-        values = [YES if level is not None and (not is_flag or level == 1.0) else NO for level in self._over(line)]
+        of_line = [np.frombuffer(codes, np.uint8) for (_, number), codes in self._codes.items() if number == line]
+        codes = np.max([np.zeros(len(self), np.uint8), *of_line], axis=0)
+        is_flag = bool(np.any(codes >= _FALSE))
+        values = np.where(codes == _TRUE if is_flag else codes != _NOT_REACHED, YES, NO)
         found = [
             Span((a - self._start_ns) / 1e9, (b - self._start_ns) / 1e9, (b - a) / 1e9, a, b)
             for a, b in spans(steps(self._times, values), self._end_ns)
         ]
         return Spans(f"line {line} was {'true' if is_flag else 'reached'}", found)
-
-    def _over(self, line: int) -> Iterator[float | None]:
-        """The level of a line at each step, or None if it was not reached."""
-        for levels in self._levels:
-            yield None if line not in levels else levels[line][1] if levels[line][1] is not None else np.nan
-
-    def _lines_of_code(self) -> list[int]:
-        return [] if self._source is None else [*self._source.source.reach]
 
     def __repr__(self) -> str:
         return self._table().to_text()
@@ -163,22 +173,23 @@ class RecordedLines:
         return self._table().to_html()
 
     def _table(self) -> Table:
-        call = self._source
-        if call is None:
+        calls = sorted(self._functions.values(), key=lambda call: call.source.first)
+        if not self._times:
             return Table(f"{self._walker.name}: no step, as a sample that it reads never came", (), ())
-        rows = []
-        for number, text in enumerate(call.source.texts, call.source.first):
-            reached = [level for level in self._over(number) if level is not None]
-            is_flag = any(levels.get(number, ("", None))[0] == FLAG for levels in self._levels)
-            true = f"{sum(level == 1.0 for level in reached):,}" if is_flag else ""
-            is_code = number in call.source.reach
-            indent = len(text) - len(text.lstrip())
-            code = "\N{NO-BREAK SPACE}" * indent + text.lstrip()  # a page would leave out spaces
-            rows.append((str(number), code, f"{len(reached):,}" if is_code else "", true))
-        why = [f"it runs as it is, and shows no values: {call.why}"] if call.why else []
+        rows = [row for call in calls for row in self._rows(call.source)]
+        why = [f"{call.source.name} runs as it is, and shows no values: {call.why}" for call in calls if call.why]
         heading = f"{self._walker.name}: {len(self):,} steps"
         problems = [self.error] if self.error else []
         return Table(heading, ("line", "code", "reached", "true"), rows, right=(0, 2, 3), notes=why, problems=problems)
+
+    def _rows(self, source: FunctionSource) -> Iterator[tuple[str, str, str, str]]:
+        for number, text in enumerate(source.texts, source.first):
+            codes = self._codes.get((source.key, number), b"")
+            true, false = codes.count(_TRUE), codes.count(_FALSE)
+            reached = f"{len(codes) - codes.count(_NOT_REACHED):,}" if number in source.reach else ""
+            indent = len(text) - len(text.lstrip())
+            code = "\N{NO-BREAK SPACE}" * indent + text.lstrip()  # a page would leave out spaces
+            yield str(number), code, reached, f"{true:,}" if true or false else ""
 
 
 class Decision(NamedTuple):
@@ -266,28 +277,26 @@ def decisions(
     """
     first, second = _Walker(recording, old, rate, topics), _Walker(recording, new, rate, topics)
     start_ns = recording.start_ns or 0
-    by_time = {made.time_ns: made for made in first.walk()}
-    is_drive = any(isinstance(made.returned, Drive) for made in by_time.values())
+    is_drive = False
     kept: list[Any] = [None, None]
     found: list[Decision] = []
     open_since: _Pair | None = None
     compared = otherwise = 0
-    for made in second.walk():
-        before = by_time.get(made.time_ns)
-        if before is None:
-            continue
-        compared += 1
-        for i, one in enumerate((before, made)):
-            # A step that returns None keeps the speed.
-            if one.failed or one.returned is not None or not is_drive:
-                kept[i] = _outcome(one)
-        differs = _differ(*kept)
-        otherwise += differs
-        if differs and open_since is None:
-            open_since = _Pair(before, made, *kept)
-        elif not differs and open_since is not None:
-            found.append(_decision(open_since, made.time_ns, start_ns))
-            open_since = None
+    with _bar() as bar:
+        for pair in _at_same_times(first.walk(bar), second.walk(bar)):
+            compared += 1
+            is_drive = is_drive or any(isinstance(one.returned, Drive) for one in pair)
+            for i, one in enumerate(pair):
+                # A step that returns None keeps the speed.
+                if one.error or one.returned is not None or not is_drive:
+                    kept[i] = one.error or one.returned
+            differs = _differ(*kept)
+            otherwise += differs
+            if differs and open_since is None:
+                open_since = _Pair(*pair, *kept)
+            elif not differs and open_since is not None:
+                found.append(_decision(open_since, pair[1].time_ns, start_ns))
+                open_since = None
     if open_since is not None:
         found.append(_decision(open_since, second.end_ns, start_ns))
     return Decisions(second.name, found, start_ns, (compared, otherwise))
@@ -300,10 +309,23 @@ class _Pair(NamedTuple):
     new_outcome: Any
 
 
-def _outcome(made: _Made) -> Any:
-    if made.failed:
-        return next((call.error for call in made.step.calls if call.error), "an error")
-    return made.returned
+def _at_same_times(first: Iterator[_Made], second: Iterator[_Made]) -> Iterator[tuple[_Made, _Made]]:
+    """Yield the steps that both made at the same time. No others are kept: they hold their scans."""
+    one, other = next(first, None), next(second, None)
+    while one is not None and other is not None:
+        if one.time_ns == other.time_ns:
+            yield one, other
+        at = one.time_ns, other.time_ns
+        if at[0] <= at[1]:
+            one = next(first, None)
+        if at[1] <= at[0]:
+            other = next(second, None)
+
+
+@contextmanager
+def _bar() -> Iterator[Progress]:
+    with Progress(0, "Reading", " samples") as bar, without_bars():
+        yield bar
 
 
 def _differ(one: Any, other: Any) -> bool:
@@ -361,24 +383,23 @@ class _Walker:
             self.name = str(getattr(function, "__name__", type(function).__name__))
         self.end_ns = recording.start_ns or 0
 
-    def walk(self) -> Iterator[_Made]:
+    def walk(self, bar: Progress) -> Iterator[_Made]:
         """Make all steps, up to one that fails."""
-        return self._walk(lambda _: True)
+        return self._walk(bar, lambda _: True)
 
     def make(self, index: int) -> _Made:
         """Make a step again; before it, those on which it may rest."""
         # A function of samples knows of nothing before.
         wanted = (lambda _: True) if self._is_program else (lambda number: number >= index)
-        made = self._walk(wanted)
-        return next(one for number, one in enumerate(made, 0 if self._is_program else index) if number == index)
+        with _bar() as bar:
+            made = self._walk(bar, wanted)
+            return next(one for number, one in enumerate(made, 0 if self._is_program else index) if number == index)
 
-    def _walk(self, is_wanted: Callable[[int], bool]) -> Iterator[_Made]:
+    def _walk(self, bar: Progress, is_wanted: Callable[[int], bool]) -> Iterator[_Made]:
         watch = LineWatch()
-        watch.add_view().clear()
-        with Progress(0, "Reading", " samples") as bar, without_bars():
-            search = Search(self._recording, self._topics, bar)
-            self.end_ns = search.end_ns
-            yield from self._walk_program(search, watch) if self._is_program else self._walk_moments(watch, is_wanted)
+        search = Search(self._recording, self._topics, bar)
+        self.end_ns = search.end_ns
+        yield from self._walk_program(search, watch) if self._is_program else self._walk_moments(watch, is_wanted)
 
     def _walk_program(self, search: Search, watch: LineWatch) -> Iterator[_Made]:
         run = ProgramRun(self._function)
@@ -386,16 +407,18 @@ class _Walker:
         for time_ns, seconds, samples in self._stepped.moments(search, run):
             if samples is None:
                 continue
-            failed = False
+            before, error = watch.newest, ""
             try:
                 run.step(seconds, samples)
             except NoSampleYetError:
                 continue
-            except Exception:  # it is shown on its line
-                failed = True
-            if watch.newest is not None and (made := self._made(time_ns, watch, run.returned, failed)):
-                yield made
-            if failed:
+            except Exception as raised:  # it is shown on its line
+                if watch.newest is before:  # a sample could not be read
+                    raise
+                error = _text_of(raised)
+            if watch.newest is not None:
+                yield _Made(time_ns, watch.newest, None if error else run.returned, error)
+            if error:
                 return
 
     def _walk_moments(self, watch: LineWatch, is_wanted: Callable[[int], bool]) -> Iterator[_Made]:
@@ -417,7 +440,7 @@ class _Walker:
             number += 1
             if isinstance(made, _Made):
                 yield made
-                if made.failed:
+                if made.error:
                     return
 
     def _step_at(
@@ -425,7 +448,7 @@ class _Walker:
     ) -> _Made | bool | None:
         """Return a step, True if it is not wanted but would be made, or None if a sample is missing."""
         now.read.clear()
-        returned, failed = None, False
+        returned, error = None, ""
         function = self._function
         names = self._names
         try:
@@ -438,15 +461,16 @@ class _Walker:
             returned = watch.step((self.name, 0), (number + 1, now.seconds), *_arguments(function, given, instant))
         except NoSampleYetError:
             return None
-        except Exception:  # it is shown on its line
-            failed = True
-        made = self._made(time_ns, watch, returned, failed)
-        return made if is_wanted else True
+        except Exception as raised:  # it is shown on its line
+            error = _text_of(raised)
+        return _Made(time_ns, watch.newest, returned, error) if is_wanted and watch.newest else True
 
-    @staticmethod
-    def _made(time_ns: int, watch: LineWatch, returned: Any, failed: bool) -> _Made | None:
-        step = watch.newest
-        return None if step is None else _Made(time_ns, step, None if failed else returned, failed)
+
+def _text_of(error: Exception) -> str:
+    try:
+        return f"{type(error).__name__}: {error}"[:300]
+    except Exception:  # of the user's own class
+        return type(error).__name__
 
 
 def _arguments(function: Any, given: dict[str, Any], instant: Instant) -> tuple[Any, dict[str, Any]]:

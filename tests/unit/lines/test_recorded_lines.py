@@ -91,6 +91,33 @@ def test_what_fails_says_when_and_where(recording: Recording) -> None:
     assert "! ZeroDivisionError" in repr(step)
 
 
+def test_a_step_that_returns_no_speed_says_so(recording: Recording) -> None:
+    def wrong(scan, time):  # type: ignore[no-untyped-def]
+        return 3 if time > 2 else Drive(0.1)
+
+    lines = recording.lines(wrong)
+    assert lines.error.startswith("TypeError: expected a step to return Drive(linear, angular)")
+    assert lines.at(50).error in lines.error
+    assert repr(lines.at(50)).endswith("got 3")
+
+
+def test_all_functions_of_a_machine_have_their_lines(recording: Recording) -> None:
+    class Walker:
+        def forward(scan):  # type: ignore[no-untyped-def] # noqa: N805
+            return Drive(0.1)
+
+        def turn(time):  # type: ignore[no-untyped-def] # noqa: N805
+            return Drive(0, 0.3)
+
+        moves = "forward -> turn after 2"
+
+    lines = recording.lines(Walker)
+    forward, turn = Walker.forward.__code__.co_firstlineno, Walker.turn.__code__.co_firstlineno
+    assert [round(lines.when(line + 1)[0].start) for line in (forward, turn)] == [0, 2]
+    assert "Drive(0.1)" in repr(lines)
+    assert "Drive(0, 0.3)" in repr(lines)
+
+
 def test_a_line_without_code_and_a_time_before_the_first_step_are_refused(recording: Recording) -> None:
     lines = recording.lines(near)
     with pytest.raises(ValueError, match=f"line with code, {FIRST + 1} to {FIRST + 4}, got 1"):

@@ -6,6 +6,7 @@ import gc
 import itertools
 import linecache
 import traceback
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +14,7 @@ import pytest
 
 from robowidgets.behaviors.lines.noting import MOST_PASSES, CallNotes, Notebook
 from robowidgets.behaviors.lines.places import COMPARE, PASS, RAYS, VALUE
-from robowidgets.behaviors.lines.rewriting import NotRewrittenError, rewritten
+from robowidgets.behaviors.lines.rewriting import NotRewrittenError, _without_warnings, rewritten
 
 from .snippets import IN_PLACES, SOURCES
 
@@ -123,6 +124,8 @@ def test_the_function_itself_is_left_as_it_is() -> None:
         ("step = print\n", "it is not written in Python"),
         ("step = type('Odd', (), {})()\n", "it is not written in Python"),
         ("a, step = lambda do: 1, lambda do: 2\n", ""),
+        # Python compiles the lambda in the defaults first.
+        ("step = lambda do, g=(lambda do, g=0: 7): g(do) + 1\n", "several functions of its name are on its line"),
     ],
 )
 def test_a_function_that_cannot_be_rewritten_gives_its_reason(source: str, why: str) -> None:
@@ -144,6 +147,50 @@ def test_a_function_without_a_source_or_with_another_one_gives_its_reason() -> N
         linecache.cache[file] = len(other), None, other.splitlines(keepends=True), file
         with pytest.raises(NotRewrittenError, match="its source has changed"):
             rewritten(function)
+
+
+def test_a_function_whose_lines_have_moved_is_not_rewritten() -> None:
+    function = made("def step(do):\n    x = do(1)\n    return x\n")
+    file = function.__code__.co_filename
+    moved = "def step(do):\n    x = do(1)\n    # a comment\n    return x\n"
+    linecache.cache[file] = len(moved), None, moved.splitlines(keepends=True), file
+    with pytest.raises(NotRewrittenError, match="its source has changed"):
+        rewritten(function)
+
+
+def test_a_form_feed_and_a_line_separator_are_in_lines_and_end_none() -> None:
+    source = "\f\ndef step(do):\n    x = '\u2028'\n\f\n    return x == do('y') and do(1)\n"
+    function = made(source)
+    linecache.cache[function.__code__.co_filename] = (
+        len(source), None, [f"{line}\n" for line in source.split("\n")[:-1]], function.__code__.co_filename,
+    )  # fmt: skip
+    found = rewritten(function).source
+    assert [text.strip() for text in found.texts] == [
+        "def step(do):",
+        "x = '\u2028'",
+        "",
+        "return x == do('y') and do(1)",
+    ]
+    assert {"x == do('y')", "do('y')", "do(1)"} <= {place.text for place in found.places}
+
+
+def test_filters_of_warnings_stay_as_they_are_though_another_thread_changes_them() -> None:
+    before = [*warnings.filters]
+    other = warnings.catch_warnings()
+    with _without_warnings("a.py"):
+        other.__enter__()
+    assert warnings.filters == before
+    other.__exit__(None, None, None)
+    assert warnings.filters == before
+
+
+def test_rewriting_gives_no_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        function = made("def step(do):\n    return do(1 is 1) and '\\d'\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rewritten(function)
 
 
 def test_an_exception_that_ends_a_step_leaves_its_notes() -> None:

@@ -14,27 +14,38 @@ from robowidgets.behaviors import Drive
 from robowidgets.behaviors.lines.packed import Totals, packed_step, spread
 from robowidgets.behaviors.lines.shown import FLAG, NUMBER, REACHED, LineValues, lines_of, passes_of
 from robowidgets.behaviors.lines.watch import LineWatch, WatchedStep
-from robowidgets.samples import Scan
+from robowidgets.samples import Image, Scan
 
 NUMBERS = itertools.count()
 SCAN = Scan(
-    np.array([3.0, 2.0, 1.0, 2.0, 0.6], np.float32), angle_min=-1.0, angle_increment=0.5, range_min=0.1, range_max=4.0
+    np.array([3.0, 2.0, 1.0, 2.0, 0.6], np.float32),
+    angle_min=-1.0,
+    angle_increment=0.5,
+    range_min=0.1,
+    range_max=4.0,
+    frame_id="laser",
 )
 
 
-def step_of(body: str, **values: Any) -> WatchedStep:
-    """The step of a function with this body."""
-    text = f"def step({', '.join(values)}):\n" + "".join(f"    {line}\n" for line in body.splitlines())
+def steps_of(body: str, *given: dict[str, Any]) -> list[WatchedStep]:
+    """The steps of a function with this body, which gets one of these values after the other."""
+    text = f"def step({', '.join(given[0])}):\n" + "".join(f"    {line}\n" for line in body.splitlines())
     file = f"<shown {next(NUMBERS)}>"
     linecache.cache[file] = len(text), None, text.splitlines(keepends=True), file
     namespace: dict[str, Any] = {"Drive": Drive}
     exec(compile(text, file, "exec", dont_inherit=True), namespace)
     watch = LineWatch()
-    watch.add_view()
-    with suppress(ZeroDivisionError):
-        watch.step(("step", 1), (1, 0.5), namespace["step"], values)
-    assert watch.newest
-    return watch.newest
+    steps = watch.add_view()
+    for values in given:
+        with suppress(ZeroDivisionError):
+            watch.step(("step", 1), (1, 0.5), namespace["step"], values)
+    return [*steps]
+
+
+def step_of(body: str, **values: Any) -> WatchedStep:
+    """The step of a function with this body."""
+    (step,) = steps_of(body, values)
+    return step
 
 
 def lines(body: str, **values: Any) -> dict[int, LineValues]:
@@ -45,10 +56,10 @@ def lines(body: str, **values: Any) -> dict[int, LineValues]:
 
 def test_a_distance_has_its_unit_and_its_ray() -> None:
     found = lines("front = scan.distance(('-40deg', '40deg'))\nwhole = scan.distance()\nray = scan.at(0.0)", scan=SCAN)
-    assert found[1] == LineValues(1, "1.00 m", kind=NUMBER, level=1.0, rays=(((1, 4), 2),))
+    assert found[1] == LineValues(1, "1.00 m", kind=NUMBER, level=1.0, rays=(((1, 4), 2, "laser"),))
     assert found[2].value == "0.60 m"
-    assert found[2].rays == (((0, 5), 4),)
-    assert (found[3].value, found[3].rays) == ("ray [2]", (((2, 3), 2),))
+    assert found[2].rays == (((0, 5), 4, "laser"),)
+    assert (found[3].value, found[3].rays) == ("ray [2]", (((2, 3), 2, "laser"),))
 
 
 def test_a_percentile_is_the_distance_of_no_ray_and_a_sector_may_be_in_two_parts() -> None:
@@ -56,7 +67,24 @@ def test_a_percentile_is_the_distance_of_no_ray_and_a_sector_may_be_in_two_parts
     found = lines("a = scan.distance('back')\nb = scan.distance('left', percentile=50)", scan=all_round)
     assert len(found[1].rays[0].runs) == 4
     found = lines("b = scan.distance(percentile=50)", scan=SCAN)
-    assert found[1].rays == (((0, 5), -1),)
+    assert found[1].rays == (((0, 5), -1, "laser"),)
+
+
+def test_a_distance_of_something_else_than_a_scan_has_no_unit() -> None:
+    class Place:
+        def distance(self, _: int) -> float:
+            return 2.5
+
+    found = lines("d = place.distance(1)\nif place.distance(1) > 2:\n    pass", place=Place())
+    assert found[1].value == "2.5"
+    depth = Image(np.full((2, 2), 1.5, np.float32), "32FC1", depth_scale=1.0)
+    assert lines("d = image.distance(0, 1)", image=depth)[1].value == "1.50 m"
+
+
+def test_none_is_shown_unless_it_is_the_value_of_a_call_for_its_effect() -> None:
+    found = lines("x.clear()\ny = x.get(1)\nif x:\n    return 1\nreturn x.get(1)", x={})
+    assert [found[number].value for number in (1, 2, 5)] == ["", "None", "None"]
+    assert lines("return None")[1].value == "None"
 
 
 def test_a_scan_of_a_moment_is_known_too_and_the_sector_may_be_computed() -> None:
@@ -128,7 +156,7 @@ def test_what_was_not_rewritten_says_why(source: str) -> None:
 
 
 def test_totals_count_steps_and_some_are_sent() -> None:
-    steps = [step_of("if a:\n    return 1\nreturn 2", a=a) for a in (True, False, True)]
+    steps = steps_of("if a:\n    return 1\nreturn 2", *({"a": a} for a in (True, False, True)))
     totals = Totals()
     totals.add(steps)
     (rows,) = totals.packed().values()

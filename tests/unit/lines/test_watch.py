@@ -1,0 +1,119 @@
+"""The functions of steps are rewritten once for each version, and whatever cannot be rewritten runs as it is."""
+
+from __future__ import annotations
+
+import gc
+import linecache
+import threading
+import weakref
+from typing import Any
+
+from robowidgets.behaviors.lines.packed import calls_by_function
+from robowidgets.behaviors.lines.watch import LineWatch
+
+from .test_rewriting import made
+
+
+def watch_step(watch: LineWatch, function: Any, version: int = 1, **values: Any) -> Any:
+    return watch.step(("p", version), (1, 0.0), function, values)
+
+
+def test_a_function_that_is_changed_in_place_runs_in_its_new_form() -> None:
+    """As autoreload does it."""
+    function, other = made("def step(x=1):\n    return x\n"), made("def step(x=2):\n    return 10 * x\n")
+    watch = LineWatch()
+    assert watch_step(watch, function) == 1
+    function.__code__ = other.__code__
+    assert watch_step(watch, function) == 10
+    function.__defaults__ = other.__defaults__
+    assert watch_step(watch, function) == 20
+
+
+def test_the_functions_of_a_former_version_are_let_go() -> None:
+    function = made("def step():\n    return 1\n")
+    gone = weakref.ref(function)
+    watch = LineWatch()
+    watch_step(watch, function)
+    linecache.cache.pop(function.__code__.co_filename)
+    function.__globals__.clear()
+    del function
+    watch_step(watch, made("def step():\n    return 2\n"), version=2)
+    gc.collect()
+    assert gone() is None
+
+
+def test_without_a_view_nothing_is_kept() -> None:
+    watch = LineWatch()
+    view = watch.add_view()
+    watch_step(watch, made("def step():\n    return 1\n"))
+    assert watch.newest is not None
+    watch.remove_view(view)
+    assert watch.newest is None
+
+
+def test_two_functions_of_one_name_on_the_same_line_of_two_cells_are_two() -> None:
+    near, far = made("step = lambda x: x < 1\n"), made("step = lambda x: x > 5\n")
+
+    class Both:
+        calls_functions = True
+        lines: LineWatch
+
+        def __call__(self, x: int) -> None:
+            for function in (near, far):
+                self.lines.call(function, {"x": x})
+
+    watch = LineWatch()
+    watch_step(watch, Both(), x=0)
+    assert watch.newest is not None
+    assert len(calls_by_function(watch.newest)) == 2
+
+
+def test_two_functions_on_one_line_are_two() -> None:
+    both = made("step = [lambda x: x < 1, lambda x: x > 5]\n")
+    watch = LineWatch()
+    keys = set()
+    for function in both:
+        watch_step(watch, function, x=0)
+        assert watch.newest is not None
+        keys |= {call.source.key for call in watch.newest.calls}
+    assert len(keys) == 2
+
+
+def test_a_step_that_was_left_behind_is_not_shown_after_a_newer_one() -> None:
+    watch = LineWatch()
+    queue = watch.add_view()
+    began, goes_on = threading.Event(), threading.Event()
+
+    def late() -> None:
+        began.set()
+        goes_on.wait()
+
+    thread = threading.Thread(target=watch_step, args=(watch, late))
+    thread.start()
+    began.wait()
+    watch_step(watch, made("def step():\n    return 1\n"), version=2)
+    goes_on.set()
+    thread.join()
+    assert [step.program for step in queue] == [("p", 2)]
+
+
+def test_a_source_that_is_too_deep_to_be_rewritten_runs_as_it_is() -> None:
+    watch = LineWatch()
+    function = made(f"def step(a):\n    return {' + '.join(['a'] * 900)}\n")
+    assert watch_step(watch, function, a=1) == 900
+    assert watch.newest is not None
+    (call,) = watch.newest.calls
+    assert "RecursionError" in call.why
+
+
+def test_an_object_that_has_every_attribute_is_only_called() -> None:
+    class Odd:
+        def __getattr__(self, name: str) -> Any:
+            return name
+
+        def __call__(self) -> int:
+            return 3
+
+    function = Odd()
+    assert watch_step(LineWatch(), function) == 3
+    assert vars(function) == {}
