@@ -126,7 +126,8 @@ def _without_warnings(file: str) -> Iterator[None]:
     try:
         yield
     finally:
-        for each in (filters, warnings.filters):  # another thread may have put a copy in force
+        in_force: Any = warnings.filters  # another thread may have put a copy in force
+        for each in (filters, in_force):
             if ours in each:
                 each.remove(ours)
 
