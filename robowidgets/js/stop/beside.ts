@@ -143,8 +143,7 @@ function panelAround(shown: Pane): Pane {
 
 /** Gives the view the height of its pane instead of the height of the window. */
 function fitIn(pane: HTMLElement, shown: HTMLElement): void {
-  const fit = () => {
-    shown.style.setProperty("--rw-screen-height", `${Math.max(LOWEST, pane.clientHeight - PADDING)}px`);
-  };
+  shown.style.setProperty("--rw-least-height", `${LOWEST}px`);
+  const fit = () => shown.style.setProperty("--rw-room-height", `${pane.clientHeight - PADDING}px`);
   new ResizeObserver(fit).observe(pane);
 }
