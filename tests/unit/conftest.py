@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -63,6 +64,8 @@ def _ends_what_it_starts() -> Iterator[None]:
     started = [thread for thread in threading.enumerate() if thread not in before and thread.name not in KEPT]
     for thread in started:
         if thread.name.startswith("robowidgets"):
+            while thread.ident is None:  # it is just being started, and cannot be joined yet
+                time.sleep(0.001)
             thread.join(60)
             assert not thread.is_alive(), f"the test leaves a thread of ours: {thread.name}"
 

@@ -107,7 +107,7 @@ def rewritten(function: Callable[..., Any]) -> Rewritten:
         raise NotRewrittenError("a decorator wraps it in another function")
     linecache.checkcache(code.co_filename)
     lines = linecache.getlines(code.co_filename, inner.__globals__)
-    if not lines:
+    if not lines or code.co_filename == "<string>":  # by this name Python 3.13 knows the text of `python -c`
         raise NotRewrittenError("its source is not known")
     with _without_warnings(code.co_filename):
         return _rewritten(function, code, lines)
