@@ -64,7 +64,7 @@ def _ends_what_it_starts() -> Iterator[None]:
     started = [thread for thread in threading.enumerate() if thread not in before and thread.name not in KEPT]
     for thread in started:
         if thread.name.startswith("robowidgets"):
-            while thread.ident is None:  # it is just being started, and cannot be joined yet
+            while thread in threading.enumerate() and not thread.is_alive():  # it is just being started
                 time.sleep(0.001)
             thread.join(60)
             assert not thread.is_alive(), f"the test leaves a thread of ours: {thread.name}"
