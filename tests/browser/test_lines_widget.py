@@ -81,11 +81,11 @@ def test_a_frozen_picture_steps_through_single_steps_with_the_laser(plain_page: 
     nb = plain_page([OPEN, AVOID], width=760)
     laser, widget = nb.widget(0), nb.widget(0, 1)
     expect(values(widget, 7)).to_contain_text("True")
-    nb.python("import time; time.sleep(0.7)")
+    facts = widget.locator(".rw-facts")
+    expect(facts).to_contain_text(re.compile(r"step \d\d"))
     with nb.busy():
         widget.locator(".rw-freeze").click()
         expect(laser.locator(".rw-freeze")).to_have_attribute("aria-pressed", "true")
-        facts = widget.locator(".rw-facts")
 
         def number() -> int:
             found = re.search(r"step (\d+)", facts.inner_text())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,9 +13,13 @@ from . import lock_order
 
 lock_order.install()
 
+from robowidgets.feeds import Feed  # noqa: E402
 from robowidgets.messages import definitions  # noqa: E402
 from robowidgets.widget import pacer as _pacer  # noqa: E402
 from robowidgets.widget.pacer import Pacer  # noqa: E402
+
+from .feeds.scripted import CMD_VEL, SCAN, Scripted  # noqa: E402
+from .waiting import wait_for  # noqa: E402
 
 lock_order.note_calls()
 
@@ -44,6 +47,19 @@ def pacer() -> Iterator[Pacer]:
 
 
 @pytest.fixture
+def script() -> Scripted:
+    """A robot with a laser that takes speeds."""
+    return Scripted(SCAN, CMD_VEL)
+
+
+@pytest.fixture
+def robot(script: Scripted) -> Iterator[Feed]:
+    """A feed of this robot."""
+    with Feed(script) as opened:
+        yield opened
+
+
+@pytest.fixture
 def no_added_definitions(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Reset the message definitions to our own: definitions that a test adds are forgotten with it."""
     monkeypatch.setattr(definitions, "_added", {})
@@ -64,8 +80,7 @@ def _ends_what_it_starts() -> Iterator[None]:
     started = [thread for thread in threading.enumerate() if thread not in before and thread.name not in KEPT]
     for thread in started:
         if thread.name.startswith("robowidgets"):
-            while thread in threading.enumerate() and not thread.is_alive():  # it is just being started
-                time.sleep(0.001)
+            wait_for(lambda one=thread: one.is_alive() or one not in threading.enumerate(), "it is started")
             thread.join(60)
             assert not thread.is_alive(), f"the test leaves a thread of ours: {thread.name}"
 

@@ -24,7 +24,7 @@ from robowidgets.feeds import Driving, Feed, FeedError
 from robowidgets.widget.pacer import Pacer
 
 from ..clocks import ManualClock
-from ..feeds.scripted import CMD_VEL, SCAN, Scripted
+from ..feeds.scripted import CMD_VEL, Scripted
 from ..pages import Page
 from ..waiting import wait_for
 
@@ -342,11 +342,6 @@ class TestSink:
         assert "token" in pad.hear("press")
         assert pad.told["error"] == ""
         pad.close()
-
-
-@pytest.fixture
-def script() -> Scripted:
-    return Scripted(SCAN, CMD_VEL)
 
 
 @pytest.fixture

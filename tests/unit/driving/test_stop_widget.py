@@ -12,14 +12,9 @@ from robowidgets.driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog,
 from robowidgets.feeds import Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 
-from ..feeds.scripted import CMD_VEL, SCAN, Scripted
+from ..feeds.scripted import Scripted
 from ..pages import Page
 from ..waiting import wait_for
-
-
-@pytest.fixture
-def script() -> Scripted:
-    return Scripted(SCAN, CMD_VEL)
 
 
 @pytest.fixture

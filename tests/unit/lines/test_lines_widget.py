@@ -14,20 +14,9 @@ from robowidgets.behaviors import Drive
 from robowidgets.feeds import Feed
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
-from ..feeds.scripted import CMD_VEL, SCAN, Scripted, scan
+from ..feeds.scripted import Scripted, scan
 from ..pages import Page
 from ..waiting import wait_for
-
-
-@pytest.fixture
-def script() -> Scripted:
-    return Scripted(SCAN, CMD_VEL)
-
-
-@pytest.fixture
-def robot(script: Scripted) -> Iterator[Feed]:
-    with Feed(script) as opened:
-        yield opened
 
 
 @pytest.fixture

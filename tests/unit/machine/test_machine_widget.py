@@ -16,22 +16,11 @@ from robowidgets.widget import heartbeat
 from robowidgets.widget.pacer import INTERVAL
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
-from ..feeds.scripted import CMD_VEL, SCAN, Scripted, scan
+from ..feeds.scripted import SCAN, Scripted, scan
 from ..pages import Page
 from ..waiting import wait_for
 
 # ruff: noqa: N801, N805
-
-
-@pytest.fixture
-def script() -> Scripted:
-    return Scripted(SCAN, CMD_VEL)
-
-
-@pytest.fixture
-def robot(script: Scripted) -> Iterator[Feed]:
-    with Feed(script) as opened:
-        yield opened
 
 
 @pytest.fixture

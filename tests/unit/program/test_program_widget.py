@@ -14,15 +14,8 @@ from robowidgets.behaviors import Drive
 from robowidgets.driving import driving_widget
 from robowidgets.feeds import Driving, Feed
 
-from ..feeds.scripted import CMD_VEL, SCAN, Scripted
 from ..pages import Page
 from ..waiting import wait_for
-
-
-@pytest.fixture
-def robot() -> Iterator[Feed]:
-    with Feed(Scripted(SCAN, CMD_VEL)) as opened:
-        yield opened
 
 
 @pytest.fixture
