@@ -11,18 +11,16 @@ import traitlets
 from .behaviors.lines.packed import Totals, calls_by_function, packed_function, packed_step, spread
 from .behaviors.lines.watch import WatchedStep
 from .behaviors.program import Program
-from .behaviors.programs import Programs
-from .runtime.platform_fixes import route_by_message
+from .behaviors.program_view import ProgramView
 from .widget.front_end import bundle
 from .widget.pacer import pacer
-from .widget.robot_widget import RobotWidget
 from .widget.traits import Flag
 
 MOST_BETWEEN = 6
 """Steps that a frame has at most: the newest one, and some of those since the frame before."""
 
 
-class LinesWidget(RobotWidget[WatchedStep]):
+class LinesWidget(ProgramView[WatchedStep]):
     """The source of the program that drives a robot, and next to each line the values of its newest step.
 
     A line shows its value with its unit, the ray that decided, and what was compared; how often it was reached, and
@@ -53,14 +51,10 @@ class LinesWidget(RobotWidget[WatchedStep]):
     """
 
     _esm, _css = bundle("lines_widget")
-    _unnamed = 1
 
     folded = Flag(False, help="Whether only one line is shown. Python and the view write it.").tag(sync=True)
 
-    column = "wide"
     sample_name = "step"
-    goes_stale = False
-    beats = True
     send_interval = 0.1
     """Seconds between two messages, at least, as fast as it can be read."""
 
@@ -69,10 +63,6 @@ class LinesWidget(RobotWidget[WatchedStep]):
     )
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
-        programs = getattr(robot, "programs", None)
-        if not isinstance(programs, Programs):
-            raise TypeError(f"LinesWidget(): expected a feed, got {robot!r}")
-        self._programs = programs
         self._queue: deque[WatchedStep] = deque()
         self._totals = Totals()
         self._version: tuple[str, int] | None = None
@@ -80,25 +70,13 @@ class LinesWidget(RobotWidget[WatchedStep]):
         self._packed: tuple[WatchedStep | None, bytes] = (None, b"")
         self._between: list[WatchedStep] = []
         """The steps of the next frame."""
-        self._robot = robot.connection.page_name
         self._named = ""
         """The name of the program after which it is named."""
         self._mode: tuple[Any, ...] = ()
-        super().__init__(**kwargs)
-        self._queue = programs.watch_lines()
-        self.freeze_with_robot()
+        super().__init__(robot, **kwargs)
+        self._queue = self._programs.watch_lines()
         self._source = {"robot": self._robot, "status": "waiting for a step of a program"}
-        programs.observe(self._on_step)
-        self._on_step()
-
-    def open(self) -> None:
-        """Connect to the page."""
-        super().open()
-        route_by_message(self.comm)
-
-    def freeze_with_robot(self) -> None:
-        """Freeze it with all widgets of the robot on the page, and them with it."""
-        self._together = self._robot
+        self._follow_programs()
 
     @property
     def step(self) -> WatchedStep | None:
@@ -108,10 +86,9 @@ class LinesWidget(RobotWidget[WatchedStep]):
 
     def close(self) -> None:
         """Remove the widget from the page; the program goes on."""
-        if "_programs" in vars(self):  # else the constructor raised before it had them
-            self._programs.unobserve(self._on_step)
+        if "_programs" in vars(self):  # else the constructor raised before it set them
             self._programs.unwatch_lines(self._queue)
-            super().close()
+        super().close()
 
     def _describe(self) -> str:
         step = self.step

@@ -11,13 +11,11 @@ import traitlets
 
 from .behaviors.machine import Fired, Machine, MachineStep
 from .behaviors.program import FAILED, Program
-from .behaviors.programs import Programs
+from .behaviors.program_view import ProgramView
 from .behaviors.step_clock import StepClock
 from .behaviors.version import Version
-from .runtime.platform_fixes import route_by_message
 from .samples.state_span import StateSpan, rows_of
 from .widget.front_end import bundle
-from .widget.robot_widget import RobotWidget
 
 MOST_FIRED = 30
 """The number of transitions that are listed on the page."""
@@ -29,7 +27,7 @@ BAND = 30.0
 """Seconds of states that the page shows as a band."""
 
 
-class MachineWidget(RobotWidget[MachineStep]):
+class MachineWidget(ProgramView[MachineStep]):
     """The state machine that drives a robot: its states, with the active ones lit, and its transitions.
 
     A band below shows the states of the last 30 s.
@@ -61,12 +59,8 @@ class MachineWidget(RobotWidget[MachineStep]):
     """
 
     _esm, _css = bundle("machine_widget")
-    _unnamed = 1
 
-    column = "wide"
     sample_name = "machine"
-    goes_stale = False
-    beats = True
     send_interval = 0.05
 
     _outline = traitlets.Dict(help="Name of the machine, key of the version, and its machines.").tag(
@@ -74,10 +68,6 @@ class MachineWidget(RobotWidget[MachineStep]):
     )
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
-        programs = getattr(robot, "programs", None)
-        if not isinstance(programs, Programs):
-            raise TypeError(f"MachineWidget(): expected a feed, got {robot!r}")
-        self._programs = programs
         self._program: Program | None = None
         self._in_force: Version | None = None
         self._clock = StepClock()
@@ -86,28 +76,10 @@ class MachineWidget(RobotWidget[MachineStep]):
         """The step of the newest frame."""
         self._packed_at = self._made_after = time.monotonic()
         """The time of that step, and of the step in the frame before it."""
-        super().__init__(**kwargs)
-        self._robot = robot.connection.page_name
-        self.freeze_with_robot()
+        super().__init__(robot, **kwargs)
         self._source = {"robot": self._robot, "status": "waiting for a state machine"}
-        programs.observe(self._on_step)
         self.on_msg(self._on_page)
-        self._on_step()
-
-    def open(self) -> None:
-        """Connect to the page."""
-        super().open()
-        route_by_message(self.comm)
-
-    def freeze_with_robot(self) -> None:
-        """Join the group of all widgets of the robot, which the page freezes together in all its views."""
-        self._together = self._robot
-
-    def close(self) -> None:
-        """Remove the widget from the page; the program goes on."""
-        if "_programs" in vars(self):  # else the constructor raised before it set them
-            self._programs.unobserve(self._on_step)
-            super().close()
+        self._follow_programs()
 
     def _describe(self) -> str:
         program = self._program
