@@ -212,10 +212,8 @@ def _source_without_lines(function: Callable[..., Any]) -> FunctionSource:
     return FunctionSource(name, code.co_filename if code else "", code.co_firstlineno if code else 0, ())
 
 
-def _error_in(source: FunctionSource, error: BaseException | None) -> tuple[str, int | None]:
-    """The text of an error, and the last line of a function at which it came."""
-    if error is None:
-        return "", None
+def _error_in(source: FunctionSource, error: BaseException) -> tuple[str, int | None]:
+    """Return the text of an error, and the last line of a function at which it came."""
     line = None
     traceback: TracebackType | None = error.__traceback__
     end = source.first + max(1, len(source.texts))
@@ -224,8 +222,13 @@ def _error_in(source: FunctionSource, error: BaseException | None) -> tuple[str,
         if code.co_filename == source.file and source.first <= traceback.tb_lineno < end:
             line = traceback.tb_lineno
         traceback = traceback.tb_next
+    return error_text(error), line
+
+
+def error_text(error: BaseException) -> str:
+    """Return an error as text, at most 300 characters: ``ZeroDivisionError: division by zero``."""
     try:
         text = f"{type(error).__name__}: {error}"
     except Exception:  # of the user's own class
         text = type(error).__name__
-    return text[:300], line
+    return text[:300]

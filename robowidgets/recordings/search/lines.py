@@ -16,7 +16,7 @@ from ...behaviors.drive import Drive
 from ...behaviors.lines.places import FunctionSource
 from ...behaviors.lines.shown import FLAG, LineValues, levels_of, lines_of, passes_of
 from ...behaviors.lines.values import glimpse, text_of
-from ...behaviors.lines.watch import LineWatch, WatchedCall, WatchedStep
+from ...behaviors.lines.watch import LineWatch, WatchedCall, WatchedStep, error_text
 from ...behaviors.program import Program
 from ...behaviors.robot import GIVEN, ODOMETRY
 from ...behaviors.simulation import ProgramRun
@@ -415,7 +415,7 @@ class _Walker:
             except Exception as raised:  # it is shown on its line
                 if watch.newest is before:  # a sample could not be read
                     raise
-                error = _text_of(raised)
+                error = error_text(raised)
             if watch.newest is not None:
                 yield _Made(time_ns, watch.newest, None if error else run.returned, error)
             if error:
@@ -462,15 +462,8 @@ class _Walker:
         except NoSampleYetError:
             return None
         except Exception as raised:  # it is shown on its line
-            error = _text_of(raised)
+            error = error_text(raised)
         return _Made(time_ns, watch.newest, returned, error) if is_wanted and watch.newest else True
-
-
-def _text_of(error: Exception) -> str:
-    try:
-        return f"{type(error).__name__}: {error}"[:300]
-    except Exception:  # of the user's own class
-        return type(error).__name__
 
 
 def _arguments(function: Any, given: dict[str, Any], instant: Instant) -> tuple[Any, dict[str, Any]]:
