@@ -23,23 +23,23 @@ MOST_BETWEEN = 6
 class LinesWidget(ProgramView[WatchedStep]):
     """The source of the program that drives a robot, and next to each line the values of its newest step.
 
-    A line shows its value with its unit, the ray that decided, and what was compared; how often it was reached, and
-    whether it was; and a small graph of the last seconds. A loop has a row for each pass. Of a failed step it shows the
-    line, and the values that led there. Of a state machine it shows the functions that the step called.
+    A line shows its value with its unit, the deciding ray, the compared values, how often it was reached, and a small
+    graph of the last seconds. A loop has a row for each pass. If a step fails, its line and the values before it are
+    shown. For a state machine, the functions that the step called are shown.
 
-    Each step is noted while a widget is there: the program's functions are rewritten so that they note what they
-    compute. Frozen, it steps back through single steps.
+    While a widget exists, the functions of the program are rewritten so that they note their values. While frozen, it
+    goes back through single steps.
 
     Args:
         robot: a feed.
         title: for the header, or empty for the name of the program.
-        folded: whether only one line is shown.
-        paused: whether the picture is frozen.
+        folded: True to show only one line.
+        paused: True while the picture is frozen.
         history: seconds for which the page keeps steps to go back through, 0 (none) to 600.
-        header, footer: whether they are there.
+        header, footer: False to hide them.
 
     Raises:
-        TypeError: no feed, or an unknown keyword.
+        TypeError: not a feed, or an unknown keyword.
         traitlets.TraitError: a value out of its range.
 
     Examples:
@@ -52,11 +52,11 @@ class LinesWidget(ProgramView[WatchedStep]):
 
     _esm, _css = bundle("lines_widget")
 
-    folded = Flag(False, help="Whether only one line is shown. Python and the view write it.").tag(sync=True)
+    folded = Flag(False, help="True to show only one line. Python and the view write it.").tag(sync=True)
 
     sample_name = "step"
     send_interval = 0.1
-    """Seconds between two messages, at least, as fast as it can be read."""
+    """The shortest time in seconds between two messages. Users cannot read faster."""
 
     _code = traitlets.Dict(help="Name and version of a program, and its functions that were called.").tag(
         sync=True, echo_update=False
@@ -71,7 +71,7 @@ class LinesWidget(ProgramView[WatchedStep]):
         self._between: list[WatchedStep] = []
         """The steps of the next frame."""
         self._named = ""
-        """The name of the program after which it is named."""
+        """The name of the program in its title."""
         self._mode: tuple[Any, ...] = ()
         super().__init__(robot, **kwargs)
         self._queue = self._programs.watch_lines()
@@ -95,7 +95,7 @@ class LinesWidget(ProgramView[WatchedStep]):
         return f"step {step.number} of {step.program[0]}" if step else ""
 
     def _on_step(self) -> None:
-        """Mark this widget for the pacer: the thread of the program, which calls this, does no more for it."""
+        """Mark this widget for the pacer. The thread of the program calls this, and does no other work for it."""
         program = self._programs.current
         if program is not None and program.name != self._named:
             self._named = program.name

@@ -27,7 +27,7 @@ def packed_function(call: WatchedCall) -> dict[str, Any]:
 
 
 def calls_by_function(step: WatchedStep) -> list[WatchedCall]:
-    """The last call of each function of a step, in the order of their lines; the failed one in any case."""
+    """Return the last call of each function of a step, by line. Of a failed function, return the failed call."""
     last: dict[str, WatchedCall] = {}
     for call in step.calls:
         if not last.get(call.source.key, call).error or call.error:
@@ -36,7 +36,7 @@ def calls_by_function(step: WatchedStep) -> list[WatchedCall]:
 
 
 def packed_step(step: WatchedStep) -> dict[str, Any]:
-    """A step: its number, its time, what it got, and the lines of each function that it called."""
+    """Return a step as plain values: its number, its time, its arguments, and the lines of each called function."""
     return {
         "number": step.number,
         "time": step.time,
@@ -62,7 +62,7 @@ def _packed_line(line: LineValues) -> list[Any]:
 
 
 class Totals:
-    """In how many steps each line was reached, and was true."""
+    """The number of steps in which each line was reached, and was true."""
 
     def __init__(self) -> None:
         self.steps = 0
@@ -80,12 +80,12 @@ class Totals:
                     count[1] += kind == FLAG and level == 1.0
 
     def packed(self) -> dict[str, list[list[int]]]:
-        """By function, its lines with both numbers."""
+        """Return the lines of each function with both numbers."""
         return {key: [[line, *both] for line, both in counts.items()] for key, counts in self._counts.items()}
 
 
 def spread(steps: Sequence[WatchedStep], most: int) -> list[WatchedStep]:
-    """At most so many of some steps, evenly, and the last one in any case."""
+    """Return evenly chosen steps, including the last one."""
     if len(steps) <= most:
         return [*steps]
     return [steps[round(i * (len(steps) - 1) / (most - 1))] for i in range(most)]

@@ -90,6 +90,6 @@ class FunctionSource:
 
     @cached_property
     def key(self) -> str:
-        """A name that no other function has: two cells may have one of the same name, on the same line."""
+        """A unique name: functions in two cells may have the same name and the same line."""
         own = self.file, self.column, self.texts
         return f"{self.name} {self.first} {crc32(repr(own).encode(errors='replace')):08x}"

@@ -57,7 +57,7 @@ in a loop."""
 
 
 class NotRewrittenError(Exception):
-    """A function cannot be rewritten; the text is the reason, as a sentence about it: "its source is not known"."""
+    """A function cannot be rewritten. The text gives the reason: "its source is not known"."""
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str
 
 
 def function_in(function: Any) -> FunctionType:
-    """The Python function in a callable; raise NotRewrittenError without one."""
+    """Return the Python function in a callable. Raise NotRewrittenError if there is none."""
     if isinstance(function, functools.partial):
         return function_in(function.func)
     if isinstance(function, MethodType):
@@ -191,7 +191,7 @@ def function_in(function: Any) -> FunctionType:
 
 
 def _with(function: Any, made: FunctionType) -> Callable[..., Any]:
-    """A callable with another Python function in it."""
+    """Return the callable with another Python function in it."""
     if isinstance(function, functools.partial):
         return functools.partial(_with(function.func, made), *function.args, **function.keywords)
     if isinstance(function, MethodType):
@@ -200,7 +200,7 @@ def _with(function: Any, made: FunctionType) -> Callable[..., Any]:
 
 
 def _only(tree: ast.Module, line: int) -> ast.Module:
-    """The statement of a file that has a line, with the imports from ``__future__``."""
+    """Return the statement at a line of a file, with the imports from ``__future__``."""
 
     def is_kept(node: ast.stmt) -> bool:
         is_future = isinstance(node, ast.ImportFrom) and node.module == "__future__"
@@ -227,7 +227,7 @@ def _is_at(node: ast.AST, code: CodeType) -> bool:
 
 
 def _codes_like(code: CodeType, within: CodeType) -> list[CodeType]:
-    """The codes of the same name and first line, from top to bottom."""
+    """Return the code objects with the same name and first line, from top to bottom."""
     found = []
     for one in within.co_consts:
         if isinstance(one, CodeType):
@@ -270,7 +270,7 @@ class _Rewriter:
         self._line = self._body_line = 0
         """The line of the statement, and of the first one."""
         self._raises = 0
-        """The number of blocks around it that may catch what it raises."""
+        """The number of blocks around it that may catch its exceptions."""
         self._spans: list[tuple[int, int, tuple[int, ...]]] = []
         """Lines of statements, first and last, with their places; inner ones later."""
 
@@ -290,7 +290,7 @@ class _Rewriter:
             node.body = self._block(body)
 
     def reach_of_lines(self, first: int, end: int, lines: Sequence[str]) -> dict[int, tuple[int, ...]]:
-        """For each line of code, the places that show that it was reached."""
+        """Return for each line of code the places that prove that it was reached."""
         reach: dict[int, tuple[int, ...]] = {}
         for start, last, places in self._spans:
             for line in range(start, last + 1):
@@ -322,7 +322,7 @@ class _Rewriter:
             yield self._mark(node)
         more: list[ast.stmt] = []
         inner: list[tuple[Any, str, list[ast.stmt], int | None]] = []
-        """Blocks within it: their node and field, what they begin with, and the loop that they are."""
+        """Yield the blocks in a statement: node, field, first statements, and loop."""
         if isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value is not None:
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             if (pair := _parts_of(targets, node.value)) is not None:
@@ -386,7 +386,7 @@ class _Rewriter:
         yield from more
 
     def _close(self, node: Any, before: int) -> None:
-        """Note the lines of a statement without its blocks, whose places are all since a number."""
+        """Note the lines of a statement without its blocks. Its places begin at a number."""
         places = tuple(range(before, len(self.places)))
         blocks = [getattr(node, name, None) for name in ("body", "orelse", "finalbody", "handlers", "cases")]
         is_open = not isinstance(node, (ast.Lambda, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
@@ -407,7 +407,7 @@ class _Rewriter:
             self._spans.append((handler.lineno, max(handler.lineno, handler.body[0].lineno - 1), tuple(found)))
 
     def _begin(self, node: Any) -> ast.stmt:
-        """The beginning of an ``except`` or a ``case``, which shows that it was reached."""
+        """Return the note at the beginning of an ``except`` or a ``case``, which proves that it was reached."""
         at = node if isinstance(node, ast.ExceptHandler) else node.pattern
         self._line = at.lineno
         return self._mark(node.body[0])
@@ -419,7 +419,7 @@ class _Rewriter:
         return made
 
     def _pass(self, at: Any, target: Any) -> ast.stmt:
-        """The beginning of a pass of a loop, with the value of its variables if they are local."""
+        """Return the note at the beginning of a pass of a loop, with its variables if they are local."""
         names = _names_of([] if target is None else [target])
         is_plain = names and all(name in self._plain for name in names)
         if not is_plain or any(
@@ -436,7 +436,7 @@ class _Rewriter:
         return self._note_names(node, kind, ast.Constant(None), ())
 
     def _note_names(self, at: Any, kind: str, value: ast.expr, names: tuple[str, ...]) -> ast.stmt:
-        """A statement that notes a value, on the line of a node."""
+        """Return a statement that notes a value, on the line of a node."""
         if isinstance(at, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)) and at.decorator_list:
             at = at.decorator_list[0]
         here = ast.Constant(None, lineno=at.lineno, col_offset=at.col_offset)
@@ -450,7 +450,7 @@ class _Rewriter:
     # -- expressions ---------------------------------------------------------------------------------------------------
 
     def _value(self, node: Any, names: tuple[str, ...] = (), kind: str = VALUE) -> Any:
-        """The value of a statement."""
+        """Return the rewritten value of a statement."""
         if self._is_own(node):
             return self._noted(node, kind, names)
         return self._wrap(self._parts(node), kind, names=names)
@@ -465,7 +465,7 @@ class _Rewriter:
         return isinstance(node, ast.Compare) or _reads_rays(node)
 
     def _parts(self, node: Any) -> Any:
-        """An expression whose parts are noted, if they decide something or read rays."""
+        """Return an expression with notes of the parts that decide something or read rays."""
         if isinstance(node, _LEFT_ALONE) or type(node).__name__ == "TemplateStr":
             return node
         if isinstance(node, ast.BoolOp):
@@ -494,7 +494,7 @@ class _Rewriter:
         return self._noted(node) if self._is_own(node) else self._parts(node)
 
     def _part(self, node: Any) -> Any:
-        """A part of a condition."""
+        """Return a rewritten part of a condition."""
         if self._is_own(node):
             return self._noted(node)
         if isinstance(node, (ast.BoolOp, ast.Constant)) or (
@@ -504,7 +504,7 @@ class _Rewriter:
         return self._wrap(self._parts(node), OPERAND)
 
     def _noted(self, node: Any, kind: str = "", names: tuple[str, ...] = ()) -> Any:
-        """A comparison with its sides, or a call that reads rays with its scan and its sector."""
+        """Return a noted comparison with its sides, or a noted call that reads rays with its scan and sector."""
         if not isinstance(node, ast.Compare):
             return self._noted_rays(node, kind or RAYS, names)
         has_walrus = any(isinstance(one, ast.NamedExpr) for one in ast.walk(node))
@@ -543,7 +543,7 @@ class _Rewriter:
         return self._wrap(node, kind, names=names, **noted)
 
     def _operand(self, node: Any, extras: int, *, is_read: bool) -> tuple[Operand, Any, list[ast.expr]]:
-        """A side of a comparison, its node, and, of a local variable, what reads it after the comparison."""
+        """Return a side of a comparison and its node; for a local variable, also expressions that read it."""
         text = self._text_of(node)
         try:
             return Operand(text, constant=ast.literal_eval(node)), node, []
@@ -568,7 +568,7 @@ class _Rewriter:
         operands: Sequence[Operand] = (),
         at: Any = None,
     ) -> ast.expr:
-        """The call that notes the value of an expression."""
+        """Return a call that notes the value of an expression."""
         at = node if at is None else at
         is_shown_there = kind in (COMPARE, OPERAND, RAYS)
         line: int = at.lineno if is_shown_there else self._line
@@ -580,7 +580,7 @@ class _Rewriter:
         return ast.copy_location(ast.Call(function, [number, node, *extras], []), at)
 
     def _text_of(self, node: Any) -> str:
-        """The source of an expression in one line. Columns of nodes count bytes."""
+        """Return the source of an expression in one line. Columns of nodes count bytes."""
         lines = self._lines[node.lineno - 1 : node.end_lineno]
         if not lines:
             return ""
@@ -605,7 +605,7 @@ def _reads_rays(node: Any) -> bool:
 
 
 def _names_of(targets: Iterable[Any]) -> tuple[str, ...]:
-    """The names that are assigned to, or the texts of attributes."""
+    """Return the assigned names, or the texts of attributes."""
     names: list[str] = []
     for target in targets:
         if isinstance(target, (ast.Tuple, ast.List)):
@@ -618,7 +618,7 @@ def _names_of(targets: Iterable[Any]) -> tuple[str, ...]:
 
 
 def _parts_of(targets: Sequence[ast.expr], value: ast.expr) -> tuple[list[ast.expr], list[tuple[str, ...]]] | None:
-    """Of ``a, b = c, d`` its values, and the names of each, or None for any other assignment."""
+    """Return the values of ``a, b = c, d`` and the names of each, or None for any other assignment."""
     target = targets[0]
     if len(targets) > 1 or not isinstance(target, (ast.Tuple, ast.List)) or not isinstance(value, ast.Tuple):
         return None

@@ -25,7 +25,7 @@ NUMBER, FLAG, REACHED = "number", "flag", "reached"
 
 
 class RaysRead(NamedTuple):
-    """Rays that a line read: first and stop of each run of them, and the one that decided, -1 if that is not known.
+    """Rays that a line read: first and stop of each run, and the index of the deciding ray, or -1 if it is not known.
 
     ``frame`` is the frame of their scan, since a robot may have several lasers.
     """
@@ -174,7 +174,7 @@ def _side(notes: CallNotes, side: Operand, seen: Noted) -> Any:
 
 
 def _sides(left: Any, relation: str, right: Any) -> Iterator[str]:
-    """Both sides of a comparison, with as many decimals as tell them apart."""
+    """Yield both sides of a comparison, with enough decimals to show the difference."""
     numbers = [type(one) is float and isfinite(one) for one in (left, right)]
     plain = [type(one) in (float, int) and (type(one) is int or isfinite(one)) for one in (left, right)]
     if all(plain) and any(numbers) and all(abs(one) < 1e6 for one in (left, right)):
@@ -228,7 +228,7 @@ def passes_of(call: WatchedCall) -> list[Passes]:
     source = notes.source
     heads = {loop.line for loop in source.loops}
     open_: dict[int, int] = {}
-    """By loop, the number of its pass that is under way."""
+    """The number of the current pass of each loop."""
     rows: dict[int, list[list[str]]] = {}
     labels: dict[int, str] = {}
     for seen in notes.seen:

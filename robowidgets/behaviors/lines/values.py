@@ -54,7 +54,7 @@ _SCALARS = {id(kind) for kind in _NUMPY_SCALARS}
 
 
 def keep(kind: type, text: Callable[[Any], str] = repr) -> None:
-    """Keep values of a class as they are: of one of ours, whose values cannot change. ``text`` makes their text."""
+    """Keep values of a class of this package as they are, because they cannot change. ``text`` makes their text."""
     _KEPT.add(id(kind))
     _TEXTS[id(kind)] = text
 

@@ -65,12 +65,12 @@ class WatchedStep:
 
 
 class LineWatch:
-    """Calls the functions of a program's steps, rewritten, and keeps what they noted.
+    """Calls the rewritten functions of a program's steps, and keeps their notes.
 
     The thread of the program only appends to lists. Views read the notes in their own time.
 
     Attributes:
-        is_on: whether a view is there.
+        is_on: True while a view exists.
     """
 
     def __init__(self) -> None:
@@ -78,10 +78,10 @@ class LineWatch:
         self.newest: WatchedStep | None = None
         self._views: list[deque[WatchedStep]] = []
         self._known: dict[int, _Known] = {}
-        """The functions of the version that runs, by their id."""
+        """The functions of the running version, by their id."""
         self._version: tuple[str, int] | None = None
         self._calls: list[WatchedCall] = []
-        """The calls of the step that runs, and the thread that makes it."""
+        """The calls of the running step, and its thread."""
         self._thread = 0
 
     def add_view(self) -> deque[WatchedStep]:
@@ -126,15 +126,15 @@ class LineWatch:
         finally:
             given = [(name, value) for name, value in values.items() if type(value) in _SHOWN]
             number, seconds = made_at
-            if self._calls is calls:  # else it was left behind, and another one has begun
+            if self._calls is calls:  # else it was abandoned, and another one has begun
                 step = self.newest = WatchedStep(program, number, seconds, began, calls, given)
                 for queue in self._views:
                     queue.append(step)
 
     def call(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
-        """Call a function of the running step. What it raises passes through."""
+        """Call a function of the running step. Its exceptions pass through."""
         calls = self._calls
-        if not self.is_on or self._thread != threading.get_ident():  # the step was left behind, and another one runs
+        if not self.is_on or self._thread != threading.get_ident():  # the step was abandoned, and another one runs
             return function(**values)
         known = self._known.get(id(function))
         if known is None or known.is_outdated():
@@ -178,7 +178,7 @@ def _add(calls: list[WatchedCall], call: WatchedCall) -> None:
 
 
 class _Known:
-    """A function, which is kept so that no other one gets its id, and its rewritten forms that are not at work."""
+    """A function, kept so that no other function gets its id, and its idle rewritten forms."""
 
     def __init__(
         self, function: Callable[..., Any], found: Rewritten | None, source: FunctionSource, why: str = ""
@@ -199,7 +199,7 @@ class _Known:
         )
 
     def made(self) -> tuple[Callable[..., Any], Notebook]:
-        """Another rewritten form: of a call that was left behind, the notes go where nothing reads them."""
+        """Return another rewritten form. The notes of an abandoned call go to a form that nothing reads."""
         assert self.rewritten is not None
         notebook = Notebook(self.source)
         return self.rewritten.bind(notebook.notes), notebook

@@ -43,7 +43,7 @@ _NOT_REACHED, _REACHED, _FALSE, _TRUE = range(4)
 
 
 class _Made(NamedTuple):
-    """A step that was made: its time, what was noted, what it returned, and the error that ended it, or empty."""
+    """A step: its time, its notes, its return value, and the error that ended it, or empty."""
 
     time_ns: int
     step: WatchedStep
@@ -66,7 +66,7 @@ class StepText:
         self.error = made.error
 
     def __getitem__(self, line: int) -> str:
-        """The value of a line, by its number in the file or the cell; empty if it was not reached, or has none."""
+        """Return the value of a line by its number in the file or cell, or empty if it has none or was not reached."""
         for call in self._calls:
             for values in lines_of(call):
                 if call.source.first + values.number == line:
@@ -84,11 +84,11 @@ class StepText:
 
 
 class RecordedLines:
-    """A function, and what each of its lines was over a recording; printed, a table of its lines.
+    """A function with the results of its lines over a recording. Printed, it is a table of its lines.
 
-    `Recording.lines` makes it. A function of samples or of one moment is called at each of them; one that takes more of
-    what a program gets, and a program, is stepped through time. Of each step only a byte for each line is kept: the
-    values of a moment are computed again when they are asked for.
+    `Recording.lines` makes it. A function of samples or of one moment is called at each of them. A program, and a
+    function that takes other inputs of programs, is stepped through time. Only a byte per line and step is stored. The
+    values of a moment are computed again on request.
 
     Attributes:
         seconds: the times of its steps, from the start of the recording.
@@ -102,7 +102,7 @@ class RecordedLines:
         self._functions: dict[str, WatchedCall] = {}
         """A call of each function."""
         self._codes: dict[tuple[str, int], bytearray] = {}
-        """For each line, by its function and its number, a byte for each step."""
+        """A byte for each step, by function and number of the line."""
         self._times: list[int] = []
         self.error = ""
         with _bar() as bar:
@@ -144,7 +144,7 @@ class RecordedLines:
         return StepText(float(self.seconds[index]), made)
 
     def when(self, line: int) -> Spans:
-        """Return the spans in which a line was true; of a line that is not a condition, in which it was reached.
+        """Return the spans in which a line was true, or was reached if it is not a condition.
 
         Args:
             line: the number of the line in its file or cell, as errors and the table name it.
@@ -346,7 +346,7 @@ def _decision(pair: _Pair, end_ns: int, start_ns: int) -> Decision:
 
 
 def _first_difference(old: WatchedStep, new: WatchedStep) -> tuple[int | None, str, str]:
-    """The first line of the new version whose value was otherwise, and both values."""
+    """Return the first line of the new version with a different value, and both values."""
     for before, after in zip(old.calls, new.calls, strict=False):
         values = [{line.number: line for line in lines_of(call)} for call in (before, after)]
         one, other = ([text.strip() for text in call.source.texts] for call in (before, after))
@@ -388,7 +388,7 @@ class _Walker:
         return self._walk(bar, lambda _: True)
 
     def make(self, index: int) -> _Made:
-        """Make a step again; before it, those on which it may rest."""
+        """Make a step again, after the steps that it may depend on."""
         # A function of samples knows of nothing before.
         wanted = (lambda _: True) if self._is_program else (lambda number: number >= index)
         with _bar() as bar:
@@ -430,7 +430,7 @@ class _Walker:
         used: set[str] | None = None
         for time_ns, samples in together({topic.name: samples_of(recording, topic.name) for topic in topics}):
             now.put(time_ns, samples)
-            # Only what it read last time may change what it says.
+            # Only the samples that it read last time may change its result.
             if used is not None and used.isdisjoint(samples):
                 continue
             made = self._step_at(time_ns, instant, now, watch, number, is_wanted(number))
@@ -467,7 +467,7 @@ class _Walker:
 
 
 def _arguments(function: Any, given: dict[str, Any], instant: Instant) -> tuple[Any, dict[str, Any]]:
-    """A function with its arguments by name; of one moment, by the name that it has there."""
+    """Return a function and its arguments by name. A function of one moment gets the moment by its first parameter."""
     if given:
         return function, given
     first = next(iter(inspect.signature(function).parameters))
@@ -486,7 +486,7 @@ def _is_program(function: Any) -> bool:
 
 
 def _texts(call: WatchedCall) -> Iterator[str]:
-    """Each line of a call with its values, and the passes of its loops."""
+    """Yield each line of a call with its values, and the passes of its loops."""
     source = call.source
     values = {line.number: line for line in lines_of(call)}
     passes = {one.number: one for one in passes_of(call)}
