@@ -67,6 +67,8 @@ class Programs(Observed):
             program.lines = self.lines
         if isinstance(function, Machine) and isinstance(program.version.function, Machine):
             function.adopt(program.version.function)
+        if self.lines is not None:
+            self.lines.prepare((name, number), function)
         self.current = program
         self.variables.begin_version()
         program.replace(Version(function, asks_for, dict(topics), steps, on, number, calling_text(), running_cell()))
@@ -83,7 +85,9 @@ class Programs(Observed):
         """Note the values of the lines, and return a queue that gets each step from now on."""
         if self.lines is None:
             self.lines = LineWatch()
-        queue = self.lines.add_view()
+        queue, current = self.lines.add_view(), self.current
+        if current is not None and current.lines is None:
+            self.lines.prepare((current.name, current.version.number), current.version.function)
         for program in list(self._known.values()):
             program.lines = self.lines
         return queue

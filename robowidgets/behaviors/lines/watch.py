@@ -80,6 +80,8 @@ class LineWatch:
         self._known: dict[int, _Known] = {}
         """The functions of the running version, by their id."""
         self._version: tuple[str, int] | None = None
+        self._prepared: tuple[tuple[str, int] | None, dict[int, _Known]] = None, {}
+        """The next version, and its rewritten function."""
         self._calls: list[WatchedCall] = []
         """The calls of the running step, and its thread."""
         self._thread = 0
@@ -96,7 +98,17 @@ class LineWatch:
         self._views = [one for one in self._views if one is not queue]
         self.is_on = bool(self._views)
         if not self.is_on:  # a machine has it for longer
-            self.newest, self._known = None, {}
+            self.newest, self._known, self._prepared = None, {}, (None, {})
+
+    def prepare(self, program: tuple[str, int], function: Callable[..., Any]) -> None:
+        """Rewrite the function of a version before its first step, which a long source would make late.
+
+        Args:
+            program: its name, and the number of its version.
+            function: the function. The functions of a state machine are rewritten when it first calls them.
+        """
+        if not _calls_functions(function):
+            self._prepared = program, {id(function): _rewrite(function)}
 
     def step(
         self,
@@ -116,10 +128,11 @@ class LineWatch:
         calls: list[WatchedCall] = []
         self._calls, self._thread = calls, threading.get_ident()
         if program != self._version:
-            self._version, self._known = program, {}
+            (prepared, known), self._prepared = self._prepared, (None, {})
+            self._version, self._known = program, known if prepared == program else {}
         began = time.monotonic()
         try:
-            if getattr(type(function), "calls_functions", False) is True:  # of its class: an object may answer anything
+            if _calls_functions(function):
                 function.lines = self  # type: ignore[attr-defined]
                 return function(**values)
             return self.call(function, values)
@@ -138,7 +151,9 @@ class LineWatch:
             return function(**values)
         known = self._known.get(id(function))
         if known is None or known.is_outdated():
-            known = self._rewrite(function)
+            if len(self._known) >= _MOST_FUNCTIONS:
+                self._known = {}
+            known = self._known[id(function)] = _rewrite(function)
         ready = None
         if known.rewritten is not None:
             ready = known.ready.pop() if known.ready else known.made()
@@ -157,19 +172,21 @@ class LineWatch:
             known.ready.append(ready)
         return result
 
-    def _rewrite(self, function: Callable[..., Any]) -> _Known:
-        try:
-            found = rewritten(function)
-            known = _Known(function, found, found.source)
-        except NotRewrittenError as error:
-            known = _Known(function, None, _source_without_lines(function), str(error))
-        except Exception as error:  # the robot drives on: it is shown in the view
-            why = f"its source could not be read ({type(error).__name__}: {error})"
-            known = _Known(function, None, _source_without_lines(function), why)
-        if len(self._known) >= _MOST_FUNCTIONS:
-            self._known = {}
-        self._known[id(function)] = known
-        return known
+
+def _calls_functions(function: Callable[..., Any]) -> bool:
+    """Return True for a state machine: by its class, since an object may have any attributes."""
+    return getattr(type(function), "calls_functions", False) is True
+
+
+def _rewrite(function: Callable[..., Any]) -> _Known:
+    try:
+        found = rewritten(function)
+        return _Known(function, found, found.source)
+    except NotRewrittenError as error:
+        why = str(error)
+    except Exception as error:  # the robot drives on: it is shown in the view
+        why = f"its source could not be read ({type(error).__name__}: {error})"
+    return _Known(function, None, _source_without_lines(function), why)
 
 
 def _add(calls: list[WatchedCall], call: WatchedCall) -> None:

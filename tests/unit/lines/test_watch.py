@@ -6,11 +6,18 @@ import gc
 import linecache
 import threading
 import weakref
+from threading import current_thread
 from typing import Any
 
-from robowidgets.behaviors.lines.packed import calls_by_function
-from robowidgets.behaviors.lines.watch import LineWatch
+import pytest
 
+from robowidgets.behaviors.lines import watch
+from robowidgets.behaviors.lines.packed import calls_by_function
+from robowidgets.behaviors.lines.rewriting import rewritten
+from robowidgets.behaviors.lines.watch import LineWatch
+from robowidgets.feeds import Feed
+
+from ..waiting import wait_for
 from .test_rewriting import made
 
 
@@ -40,6 +47,30 @@ def test_the_functions_of_a_former_version_are_let_go() -> None:
     watch_step(watch, made("def step():\n    return 2\n"), version=2)
     gc.collect()
     assert gone() is None
+
+
+def test_a_function_is_rewritten_before_its_first_step(robot: Feed, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A step of a long source would be late, and the robot stopped."""
+    where: list[str] = []
+    monkeypatch.setattr(
+        watch, "rewritten", lambda function: (where.append(current_thread().name), rewritten(function))[1]
+    )
+
+    @robot.program(rate=50)
+    def keep(state):  # type: ignore[no-untyped-def]
+        state.made = True
+
+    wait_for(lambda: robot.programs.current.steps, "it makes steps")
+    queue = robot.programs.watch_lines()
+    wait_for(lambda: queue, "a step is watched")
+
+    @robot.program(rate=50)
+    def other(state):  # type: ignore[no-untyped-def]
+        state.made = True
+
+    wait_for(lambda: queue and queue[-1].program == ("other", 1), "a step of the next program is watched")
+    assert where == ["MainThread", "MainThread"]
+    assert not any(call.why for step in queue for call in step.calls)
 
 
 def test_without_a_view_nothing_is_kept() -> None:
