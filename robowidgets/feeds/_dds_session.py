@@ -324,7 +324,7 @@ class DdsSession:
         try:
             for topic in self._zeros.topics():
                 there = self._subscribers(topic)
-                due = self._zeros.due(topic, len(there), all_confirm=self._all_confirm(topic))
+                due = self._zeros.due(topic, len(there), all_confirm=all(map(_is_reliable, there)))
                 for kind, raw in due.items():
                     writer = self._writers[topic, kind]
                     with suppress(DDSException):  # the next requested zero reports it
