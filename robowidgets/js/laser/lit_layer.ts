@@ -88,7 +88,7 @@ export class LitLayer implements Layer {
   }
 }
 
-/** The reading of a ray, in pixels; without one, where the picture ends. */
+/** Returns the reading of a ray in pixels, or the edge of the picture if it has no reading. */
 function pointOf(i: number, scan: NonNullable<Stage["scan"]>, projection: Stage["projection"]) {
   const direction = toDirection(angleOf(scan, i), projection.forward);
   const range = scan.ranges[i] as number;

@@ -1,10 +1,10 @@
 import { type Model, onChange } from "../shared/model.ts";
 import type { LinesTraits, VersionCode } from "./traits.ts";
 
-/** Versions that are kept. */
+/** The maximum number of stored versions. */
 const MOST = 50;
 
-/** The sources of the last versions, so that a frozen step is shown in its own. */
+/** The sources of the last versions. A frozen step is shown in the source of its version. */
 export class Codes {
   readonly #model: Model<LinesTraits>;
   readonly #known = new Map<string, VersionCode>();
@@ -15,7 +15,7 @@ export class Codes {
     onChange(model, ["_code"], () => this.#keep(), signal);
   }
 
-  /** The source of a version; the newest for one that is not kept. */
+  /** Returns the source of a version, or the newest source if that version is not stored. */
   of(key = ""): VersionCode {
     return this.#known.get(key) ?? this.#model.get("_code");
   }

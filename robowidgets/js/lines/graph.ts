@@ -4,10 +4,10 @@ import type { Trace } from "./steps.ts";
 /** Seconds that a graph shows. */
 export const SECONDS = 10;
 const MARGIN = 3;
-/** Seconds between two steps for which a line goes on; after a longer time it is broken. */
+/** The longest time in seconds between two steps that a curve connects. */
 const GAP_S = 1;
 
-/** The small graph of a line: numbers as a curve, True and that it was reached as a band, and the cursor. */
+/** The small graph of a line: numbers as a curve, True and "reached" as a band, and the cursor. */
 export function drawGraph(
   canvas: HTMLCanvasElement,
   trace: Trace,
@@ -76,7 +76,7 @@ function drawBand(
   }
 }
 
-/** The stretches in which a line was true, or reached, each as one: between two bars the ground would shine through. */
+/** Returns the spans in which a line was true or reached. Drawn step by step, bars would have gaps between them. */
 export function stretchesOf(trace: Trace): [from: number, to: number][] {
   const stretches: [number, number][] = [];
   for (const [i, [at, level]] of trace.entries()) {

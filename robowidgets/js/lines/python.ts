@@ -10,7 +10,7 @@ const WORDS = new Set(
 const PARTS =
   /(#.*)|([rbfuRBFU]{0,2}(?:"""[\s\S]*?(?:"""|$)|'''[\s\S]*?(?:'''|$)|"(?:\\.|[^"\\])*(?:"|$)|'(?:\\.|[^'\\])*(?:'|$)))|(\b\d[\w.]*)|([^\W\d]\w*)|(\s+|[^\w\s#"']+|.)/gu;
 
-/** The parts of a line of Python. Texts over several lines are not known as such. */
+/** Returns the parts of a line of Python. It does not recognize texts of several lines. */
 export function tokensOf(line: string): Token[] {
   const tokens: Token[] = [];
   let isDefined = false;

@@ -12,7 +12,7 @@ export class Row {
   readonly #times = make("span", "rw-line-times");
   readonly #values = make("span", "rw-line-values");
 
-  /** @param shown number of the line, as it is shown */
+  /** @param shown the displayed number of the line */
   constructor(shown: number, text: string, isCode: boolean) {
     this.root.role = "row";
     this.root.tabIndex = -1;
@@ -33,7 +33,7 @@ export class Row {
     if (isCode) this.root.append(this.graph);
   }
 
-  /** @param line what it computed; null: it was not reached; undefined: it has no code */
+  /** @param line its values, null if it was not reached, or undefined if it has no code */
   update(line: Line | null | undefined, error: string, given: string): void {
     const state = error ? "failed" : line ? "reached" : line === null ? "not" : "none";
     const [, value = "", details = [], times = 1, kind = "", , rays = []] = line ?? [];

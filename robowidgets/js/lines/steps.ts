@@ -9,7 +9,7 @@ export interface Steps extends Frame {
   steps: Step[];
   /** Number of steps of the version so far. */
   total: number;
-  /** By function, for each line: in how many steps it was reached, and was true. */
+  /** For each line of each function, the number of steps in which it was reached, and in which it was true. */
   totals: Record<string, [line: number, reached: number, true_: number][]>;
 }
 
@@ -50,13 +50,13 @@ export function decodeSteps(bytes: DataView): Steps {
   return { ...JSON.parse(new TextDecoder().decode(reader.bytes(reader.left))), ...head };
 }
 
-/** The levels of a line over time, oldest first: the time and the level of each step, null if it was not reached. */
+/** The times and levels of the steps of a line, oldest first. The level is null if the line was not reached. */
 export type Trace = [at: number, level: number | null][];
 
 /** The traces of all lines of a version, by function and line, since a time. */
 export function tracesOf(frames: Iterable<Steps>, key: string, since: number): Map<string, Trace> {
   const traces = new Map<string, Trace>();
-  /** By trace, the number of the last step that it has. */
+  /** The number of the last step of each trace. */
   const last = new Map<string, number>();
   let count = 0;
   for (const frame of frames) {

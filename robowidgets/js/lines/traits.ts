@@ -10,7 +10,7 @@ export interface VersionCode {
   key?: string;
   name?: string;
   version?: number;
-  /** Those that were called, in the order of their lines. */
+  /** The called functions, in the order of their lines. */
   functions?: FunctionCode[];
 }
 
@@ -22,7 +22,7 @@ export interface FunctionCode {
   texts: string[];
   /** Numbers of the lines that may be reached, from 0. */
   code: number[];
-  /** Why it has no values; empty if it has. */
+  /** The reason why it has no values, or empty if it has values. */
   why: string;
 }
 

@@ -13,7 +13,7 @@ import type { FunctionCode, LinesAbout, LinesTraits, VersionCode } from "./trait
 
 const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 const MOVES: Record<string, number> = { ArrowDown: 1, ArrowUp: -1 };
-/** Characters of code next to which values stand. */
+/** The maximum width of code, in characters, with values next to it. */
 const WIDEST = 56;
 
 /** One view of a program's lines: their code, their values, and their graphs. */
@@ -30,9 +30,9 @@ export class LinesView {
   readonly #said = make("span", "rw-lines-said");
   #sections: Section[] = [];
   #shown: VersionCode | null = null;
-  /** The frame on show, and which of its steps. */
+  /** The frame on show, and the index of the step in it. */
   #at = { sequence: -1, index: 0 };
-  /** The robot whose rays are lit: a model that is closed names none. */
+  /** The robot whose rays are lit. A closed model has no robot any more. */
   #lit = "";
   #pointed: { section: Section; line: number } | null = null;
 
@@ -56,7 +56,7 @@ export class LinesView {
     this.#card.picture.append(this.#table, this.#empty);
     this.#card.footer.append(this.#said);
     const { root } = this.#card;
-    // Before the card's own: it would go from frame to frame, and past the steps between them.
+    // Before the listener of the card, which would go from frame to frame and skip the steps between them.
     on(root, "keydown", (event) => this.#onKey(event), signal, { capture: true });
     on(this.#table, "pointerover", ({ target }) => this.#point(target), signal);
     on(this.#table, "pointerleave", () => this.#point(null), signal);
@@ -146,7 +146,7 @@ export class LinesView {
     }
   }
 
-  /** In the footer: how often the line was reached, and was true, at which the pointer or the focus is. */
+  /** Writes in the footer how often the pointed or focused line was reached, and was true. */
   #say(frame: Steps): void {
     const { section, line = -1 } = this.#pointed ?? {};
     const found = section && frame.totals[section.code.key]?.find(([number]) => number === line);
@@ -166,7 +166,7 @@ export class LinesView {
     );
   }
 
-  /** Lights the rays that the line read in the robot's laser, at which the pointer or the focus is. */
+  /** Lights in the robot's laser the rays that the pointed or focused line read. */
   #light(step: Step): void {
     const { section, line } = this.#pointed ?? {};
     if (!section) return;
@@ -238,7 +238,7 @@ class Section {
   readonly root = make("div", "rw-lines-function");
   readonly rows: Row[];
   readonly code: FunctionCode;
-  /** The kinds of levels that lines had so far. */
+  /** The kinds of levels of lines so far. */
   readonly kinds = new Map<number, string>();
   readonly #why = make("div", "rw-lines-why");
   readonly #loops = new Map<number, HTMLElement>();
@@ -261,7 +261,7 @@ class Section {
 
   update(step: Step, failure: string): void {
     const call = step.calls.find(({ key }) => key === this.code.key);
-    // Of a state machine, what belongs to other states rests.
+    // The functions of other states of a state machine are hidden.
     setHidden(this.root, !call && !failure);
     const lines = new Map<number, Line>(call?.lines.map((line) => [line[0], line]));
     const given = step.given.map((pair) => pair.join(" ")).join(" \u00b7 ");
@@ -275,7 +275,7 @@ class Section {
     this.#updateLoops(call);
   }
 
-  /** The passes of loops. Room that they once took stays theirs, so that nothing jumps. */
+  /** Shows the passes of loops. They keep their largest height so far, so that nothing jumps. */
   #updateLoops(call: Call | undefined): void {
     for (const [number, element] of this.#loops) {
       if (!call?.loops.some(([line]) => line === number)) element.replaceChildren();
@@ -305,7 +305,7 @@ class Section {
   }
 }
 
-/** The value that a step returned, for the one line of a folded card. */
+/** Returns the return value of a step, for a folded card. */
 function summaryOf(step: Step | null, { functions = [] }: VersionCode): string {
   const call = step?.calls.find(({ error }) => error) ?? step?.calls.at(-1);
   const { texts = [], first = 1 } = functions.find(({ key }) => key === call?.key) ?? {};

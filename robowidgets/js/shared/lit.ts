@@ -15,7 +15,7 @@ interface Listener {
 
 const KEY: unique symbol = Symbol.for("robowidgets lit") as never;
 
-/** All listeners of the page: the scripts of different widgets meet nowhere but here. */
+/** All listeners of the page. The scripts of different widgets share nothing else. */
 const page = globalThis as { [KEY]?: Set<Listener> };
 
 /** Lights rays in the pictures of a robot's scans, or, with an empty list, lights them no longer. */
