@@ -147,7 +147,7 @@ def feed_of(name: str, where: str) -> feeds.Feed:
     if name == "ros1":
         sys.path.append(SYSTEM)
         return feeds.ros1()
-    return {"foxglove": feeds.foxglove, "rosbridge": feeds.rosbridge}[name](where)
+    return {"foxglove": feeds.foxglove, "rosbridge": feeds.rosbridge, "zenoh": feeds.zenoh}[name](where)
 
 
 def number_of(scan: Scan) -> int:

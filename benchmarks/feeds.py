@@ -56,7 +56,7 @@ class Endurance:
 def available() -> list[str]:
     """Return the feeds that can be measured on this machine."""
     ros1, ros2 = Path(SYSTEM, "rospy").is_dir(), find_spec("rclpy") is not None
-    return ["dds", "foxglove", "rosbridge", *["ros1"] * ros1, *["ros2"] * ros2, *MADE]
+    return ["dds", "foxglove", "rosbridge", "zenoh", *["ros1"] * ros1, *["ros2"] * ros2, *MADE]
 
 
 def compare(stage: Stage, name: str, seconds: float, repeats: int) -> Figures:

@@ -13,10 +13,12 @@ from __future__ import annotations
 
 import os
 import random
+import socket
 import sys
 import threading
 import time
 from array import array
+from contextlib import closing
 from typing import Any
 
 import numpy as np
@@ -297,7 +299,65 @@ class Ros2:
         rclpy.spin(self._node)
 
 
-NAMES = {"dds": Dds, "foxglove": Foxglove, "ros1": Ros1, "ros2": Ros2, "rosbridge": Rosbridge}
+class Zenoh:
+    """The nodes of zenoh-ros2-sdk, at a router in the same process."""
+
+    def __init__(self, where: str) -> None:
+        import zenoh
+
+        self.where = where
+        if not where:
+            with closing(socket.socket()) as probe:
+                probe.bind(("127.0.0.1", 0))
+                self.where = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+            config = zenoh.Config()
+            settings = {
+                "mode": '"router"',
+                "listen/endpoints": f'["{self.where}"]',
+                "scouting/multicast/enabled": "false",
+            }
+            for name, value in settings.items():
+                config.insert_json5(name, value)
+            self._router = zenoh.open(config)
+
+    def _node(self, kind: str) -> dict[str, Any]:
+        from rosbags.typesys import Stores, get_typestore
+
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        text, _ = store.generate_msgdef(kind, ros_version=2)
+        port = int(self.where.rpartition(":")[2])
+        return {"msg_definition": text, "type_hash": store.hash_rihs01(kind), "router_port": port, "domain_id": 0}
+
+    def publisher(self) -> Any:
+        from zenoh_ros2_sdk import ROS2Publisher
+
+        kind = "sensor_msgs/msg/LaserScan"
+        topic = ROS2Publisher("/scan", kind, **self._node(kind))
+        types = topic.session_mgr.store.types
+        time_type, header = types["builtin_interfaces/msg/Time"], types["std_msgs/msg/Header"]
+        fields = dict(zip(FIELDS, GEOMETRY, strict=True))
+
+        def publish(number: int) -> None:
+            stamp = header(time_type(number, 0), "laser")
+            topic.publish(header=stamp, **fields, ranges=encode(number), intensities=np.empty(0, np.float32))
+
+        return publish
+
+    def obey(self, call: Any) -> None:
+        from zenoh_ros2_sdk import ROS2Subscriber
+
+        kind = "geometry_msgs/msg/Twist"
+        self._heard = ROS2Subscriber("/cmd_vel", kind, lambda it: call(it.linear.x, it.angular.z), **self._node(kind))
+
+    def hear(self, call: Any) -> None:
+        from zenoh_ros2_sdk import ROS2Subscriber
+
+        kind = "sensor_msgs/msg/LaserScan"
+        self._heard = ROS2Subscriber("/scan", kind, lambda it: call(it.header.stamp.sec), **self._node(kind))
+        threading.Event().wait()
+
+
+NAMES = {"dds": Dds, "foxglove": Foxglove, "ros1": Ros1, "ros2": Ros2, "rosbridge": Rosbridge, "zenoh": Zenoh}
 
 
 def now_us() -> int:

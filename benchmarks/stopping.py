@@ -36,6 +36,7 @@ OPEN = {
     "rosbridge": "feeds.rosbridge({where!r})",
     "ros1": "feeds.ros1()",
     "ros2": "feeds.ros2(domain_id=7)",
+    "zenoh": "feeds.zenoh({where!r})",
 }
 STAND_IN = """
 import os, sys

@@ -19,6 +19,7 @@ from .ros1 import ros1
 from .ros2 import ros2
 from .rosbridge import rosbridge
 from .simulator import simulator
+from .zenoh import zenoh
 
 __all__ = [
     "Advert",
@@ -36,6 +37,7 @@ __all__ = [
     "ros2",
     "rosbridge",
     "simulator",
+    "zenoh",
 ]
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from ..messages.decoding import Decode, DecodeError
 from ..messages.infrastructure import is_large
 from ..runtime.clock import Clock, scheduler
 from ._dds_domain import configured
-from ._dds_types import NODES, dds_topic, decoder, definition_of, opaque, ros_topic, ros_type, struct, type_hash
+from ._dds_types import NODES, dds_topic, definition_of, opaque, ros_topic, struct, type_hash
 from ._guard.mark import MARK
 from ._ros2_common import (
     ALONE,
@@ -35,6 +35,7 @@ from ._ros2_common import (
     speed_types,
     unconfirmed,
 )
+from ._ros2_types import decoder_for, ros_type
 from ._zeros import Zeros
 from .middleware import EVENTS, MOST_UNREAD, Advert, FeedError, Listener
 
@@ -346,7 +347,7 @@ class DdsSession:
 
     def _create_reader(self, wish: Wish) -> None:
         try:
-            decode = decoder(wish.type, wish.definition)
+            decode = decoder_for(wish.type, wish.definition)
             kind = struct(wish.type, wish.definition) if wish.described else opaque(wish.type)
             user_data = Policy.Userdata(type_hash(wish.type, wish.definition) + _OURS)
         except DecodeError:

@@ -51,6 +51,7 @@ MIDDLEWARES = {
     "ros1": ("ros1", "Ros1"),
     "ros2": ("ros2", "Ros2"),
     "rosbridge": ("rosbridge", "Rosbridge"),
+    "zenoh": ("zenoh", "Zenoh"),
 }
 """The module in ``feeds`` and the class of each middleware that a guard can publish by."""
 

@@ -31,8 +31,9 @@ from cyclonedds.domain import Domain
 
 from robowidgets import EventsWidget
 from robowidgets.feeds import Driving, Feed, _dds_session, _threaded, _zeros
-from robowidgets.feeds._dds_types import decoder, opaque, ros_topic, ros_type
+from robowidgets.feeds._dds_types import opaque, ros_topic
 from robowidgets.feeds._guard.mark import MARK
+from robowidgets.feeds._ros2_types import decoder_for, ros_type
 from robowidgets.feeds.dds import Dds
 from robowidgets.feeds.middleware import Advert, FeedError
 from robowidgets.messages import add_definitions, definitions
@@ -281,7 +282,7 @@ def test_a_truncated_message_is_reported_until_a_whole_one_comes(heard: Ears) ->
             return samples.pop(0)
 
     wish = _dds_session.Wish("/speed", TWIST, False, False)
-    session._readers[wish] = _dds_session._Reader(Reader(), None, _dds_session.decoder(TWIST), deque())
+    session._readers[wish] = _dds_session._Reader(Reader(), None, _dds_session.decoder_for(TWIST), deque())
     session.pass_on(wish)
     assert heard.words("/speed").startswith(f"a message of /speed cannot be read: 43 bytes are not a valid {TWIST}: ")
     session.pass_on(wish)
@@ -634,7 +635,7 @@ def test_a_range_of_any_distribution_is_read(
 def test_a_range_of_a_publisher_that_does_not_describe_it_is_read_by_the_definition_that_fits() -> None:
     old = encode("cdr", RANGE, {"range": 1.5})
     new = old + b"\0\0\x80\x3e"  # 0.25 as float32
-    decode = decoder(RANGE, "")
+    decode = decoder_for(RANGE, "")
     assert (decode(old).range, hasattr(decode(old), "variance")) == (1.5, False)
     assert (decode(new).range, decode(new).variance) == (1.5, 0.25)
     with pytest.raises(DecodeError, match=f"{len(old) - 4} bytes are not a valid {RANGE}"):
@@ -687,7 +688,7 @@ def test_node_names_are_understood_from_any_distribution_and_other_messages_igno
 
     for kind in (NODES_TYPE, TWIST):
         wish = _dds_session.Wish("ros_discovery_info", kind, True, False)
-        session._readers[wish] = _dds_session._Reader(Reader(), None, decoder(kind), deque())
+        session._readers[wish] = _dds_session._Reader(Reader(), None, decoder_for(kind), deque())
         session.pass_on(wish)
     session._readers.clear()
     session.look()

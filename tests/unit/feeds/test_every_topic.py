@@ -157,7 +157,8 @@ def test_over_dds_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: lis
     from cyclonedds.qos import Policy, Qos
     from cyclonedds.topic import Topic
 
-    from robowidgets.feeds._dds_types import _definitions, dds_topic, struct, type_hash
+    from robowidgets.feeds._dds_types import dds_topic, struct, type_hash
+    from robowidgets.feeds._ros2_types import definitions_of
 
     def known(one: Sent) -> Any:
         """The type as a robot describes it to DDS, or None unless we have the definition in the file."""
@@ -167,7 +168,7 @@ def test_over_dds_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: lis
         return next(
             (
                 struct(one.channel.type, text)
-                for text in _definitions(one.channel.type)
+                for text in definitions_of(one.channel.type)
                 if type_hash(one.channel.type, text) == own
             ),
             None,
