@@ -53,7 +53,7 @@ _HEAD = struct.Struct("<qqB")
 """The start of an attachment: sequence number, nanoseconds since 1970, and the size of the identifier that follows."""
 
 
-class Endpoint(NamedTuple):
+class Entity(NamedTuple):
     """A publisher or subscriber of another node, as its token reports it."""
 
     topic: str
@@ -71,7 +71,7 @@ class Endpoint(NamedTuple):
         return "/".join((self.topic.strip("/"), self.wire_type, self.hash))
 
 
-class Wish(NamedTuple):
+class TopicWish(NamedTuple):
     """A subscription to make. ``each`` requests every message."""
 
     topic: str
@@ -88,7 +88,7 @@ class _Token(NamedTuple):
     number: tuple[str, str]
     kind: str
     node: str
-    endpoint: Endpoint | None
+    endpoint: Entity | None
 
 
 class _Subscription:
@@ -168,7 +168,7 @@ class ZenohSession:
         self._tokens: dict[tuple[str, str], _Token] = {}
         """The tokens of other nodes. Zenoh's thread changes it with the lock."""
         self._changed = True
-        self._wishes: dict[Wish, _Subscription] = {}
+        self._wishes: dict[TopicWish, _Subscription] = {}
         self._followed: tuple[frozenset[str], frozenset[str]] | None = None
         self._unreadable: set[str] = set()
         self._writing = threading.Lock()
@@ -242,7 +242,7 @@ class ZenohSession:
         for one in offers:
             latched[one.key, one.topic] = latched.get((one.key, one.topic), False) or one.latched
         wishes = {
-            Wish(one.topic, one.type, one.wire_type, one.hash, latched[one.key, one.topic], one.topic in each)
+            TopicWish(one.topic, one.type, one.wire_type, one.hash, latched[one.key, one.topic], one.topic in each)
             for one in offers
         }
         for wish in self._wishes.keys() - wishes:
@@ -254,11 +254,11 @@ class ZenohSession:
             self._listener.on_trouble(topic, "")
 
     @property
-    def wishes(self) -> list[Wish]:
+    def wishes(self) -> list[TopicWish]:
         """The subscriptions."""
         return list(self._wishes)
 
-    def pass_on(self, wish: Wish) -> bool:
+    def pass_on(self, wish: TopicWish) -> bool:
         """Pass on the next message of a subscription. Return False if it has none."""
         there = self._wishes[wish]
         taken = there.take()
@@ -310,7 +310,7 @@ class ZenohSession:
             if self._zeros.is_unheard(topic, len(there)):
                 raise TimeoutError(nobody_left(topic))
 
-    def _publisher(self, key: tuple[str, str, str], there: Sequence[Endpoint]) -> _Publisher:
+    def _publisher(self, key: tuple[str, str, str], there: Sequence[Entity]) -> _Publisher:
         """Return the publisher of a topic, a type and its hash. A new one declares its token first."""
         if key not in self._publishers:
             topic, _, type_hash = key
@@ -384,12 +384,12 @@ class ZenohSession:
             self._changed = True
             self._news.notify_all()
 
-    def _endpoints(self, kind: str) -> list[Endpoint]:
+    def _endpoints(self, kind: str) -> list[Entity]:
         """Return the publishers (``MP``) or the subscribers (``MS``)."""
         with self._lock:
             return [one.endpoint for one in self._tokens.values() if one.kind == kind and one.endpoint is not None]
 
-    def _subscribers(self, topic: str) -> list[Endpoint]:
+    def _subscribers(self, topic: str) -> list[Entity]:
         """Return the subscribers of a topic that may be a robot."""
         return [one for one in self._endpoints("MS") if one.topic == topic and "/robowidgets_" not in one.node]
 
@@ -397,7 +397,7 @@ class ZenohSession:
         publishers, subscribers = (_by_topic(self._endpoints(kind)) for kind in ("MP", "MS"))
         return adverts_of(publishers, subscribers)
 
-    def _subscribe(self, wish: Wish) -> None:
+    def _subscribe(self, wish: TopicWish) -> None:
         try:
             decode = _decoder(wish)
         except DecodeError as error:
@@ -452,13 +452,11 @@ def _parse_token(key: str) -> _Token | None:
     topic, type_name, qos = parts[9].replace("%", "/"), ros_type(parts[10]), parts[12].split(":")
     if not type_name or len(qos) < 2:
         return None
-    endpoint = Endpoint(
-        topic, type_name, parts[10], parts[11], qos[1] == _TRANSIENT_LOCAL, qos[0] != _BEST_EFFORT, node
-    )
+    endpoint = Entity(topic, type_name, parts[10], parts[11], qos[1] == _TRANSIENT_LOCAL, qos[0] != _BEST_EFFORT, node)
     return _Token((session, f"{parts[3]}/{number}/{kind}"), kind, node, endpoint)
 
 
-def _by_topic(endpoints: Iterable[Endpoint]) -> dict[tuple[str, str], set[str]]:
+def _by_topic(endpoints: Iterable[Entity]) -> dict[tuple[str, str], set[str]]:
     """Return the names of the nodes of endpoints by topic and type."""
     found: dict[tuple[str, str], set[str]] = {}
     for one in endpoints:
@@ -466,7 +464,7 @@ def _by_topic(endpoints: Iterable[Endpoint]) -> dict[tuple[str, str], set[str]]:
     return found
 
 
-def _decoder(wish: Wish) -> Decode:
+def _decoder(wish: TopicWish) -> Decode:
     """Return a function that decodes the messages of a publisher, by the definition that has its hash.
 
     Raises:

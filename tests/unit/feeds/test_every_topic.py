@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -193,3 +195,49 @@ def test_over_dds_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: lis
 
         done = {one.topic: set[int]() for one, _ in there}
         assert_shown(feed, [one for one, _ in there], send)
+
+
+@pytest.mark.slow
+def test_over_zenoh_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: list[Sent]) -> None:
+    zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed: pip install eclipse-zenoh")
+    from zenoh import ext
+
+    from robowidgets.feeds._ros2_types import dds_type, definitions_of, hash_of
+
+    def known(one: Sent) -> str:
+        """The hash of the type, or empty unless we have the definition in the file."""
+        if one.channel.encoding != "cdr":
+            return ""
+        own = hash_of(one.channel.type, one.channel.definition)
+        return own if own in {hash_of(one.channel.type, text) for text in definitions_of(one.channel.type)} else ""
+
+    there = [(one, own) for one in sent if (own := known(one))]
+    assert (len(there) > 120, len(by_type([one for one, _ in there])) > 50) == (True, True)
+    with closing(socket.socket()) as probe:
+        probe.bind(("127.0.0.1", 0))
+        where = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+    config = zenoh.Config()
+    settings = {"mode": '"router"', "listen/endpoints": f'["{where}"]', "scouting/multicast/enabled": "false"}
+    for name, value in (settings | {"timestamping/enabled": "true"}).items():
+        config.insert_json5(name, value)
+    publishers = []
+    with zenoh.open(config) as robot:
+        for number, (one, own) in enumerate(there):
+            topic, kind = one.topic.strip("/"), dds_type(one.channel.type)
+            cache = ext.CacheConfig(1)
+            key = f"0/{topic}/{kind}/{own}"
+            writer = ext.declare_advanced_publisher(robot, key, cache=cache, publisher_detection=True)
+            node = f"@ros2_lv/0/{robot.info.zid()}/0/{number}/MP/%/%/robot"
+            name = f"{node}/%{topic.replace('/', '%')}/{kind}/{own}/:1:,1:,:,:,,"
+            publishers.append((writer, robot.liveliness().declare_token(name)))
+        with feeds.zenoh(where) as feed:
+
+            def send(number: int) -> None:
+                """Send each once: they are kept for late subscribers."""
+                for (writer, _), (one, _) in zip(publishers, there, strict=True):
+                    if number not in done[one.topic]:
+                        done[one.topic].add(number)
+                        writer.put(one.raw[min(number, len(one.raw) - 1)])
+
+            done = {one.topic: set[int]() for one, _ in there}
+            assert_shown(feed, [one for one, _ in there], send)

@@ -105,7 +105,7 @@ class Robot:
         threading.Thread(target=run, daemon=True).start()
 
     def put(self, topic: str, kind: str, type_hash: str, qos: str, raw: str, size: int = 0) -> None:
-        """Publish bytes, in hex, and ``size`` zeros after them, under a hash. With ``KEPT`` the last message is kept."""
+        """Publish bytes, in hex, and ``size`` zeros after them, under a hash. ``KEPT`` keeps the last one."""
         if self._session is None:
             config = zenoh.Config()
             config.insert_json5("mode", '"client"')
