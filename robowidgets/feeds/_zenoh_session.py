@@ -32,6 +32,9 @@ CONFIRM_TIMEOUT_S = 0.3
 POLL_PERIOD_S = 0.004
 """Seconds between two looks for messages."""
 
+MATCH_TIMEOUT_S = 0.3
+"""Seconds for which the first message of a publisher waits until the router knows the subscriber."""
+
 PING_PERIOD_S = 0.5
 """Seconds between two questions to the router, if it has answered."""
 
@@ -134,6 +137,11 @@ class _Publisher:
         )
         self._token = token
         self._gid, self._numbers = os.urandom(_GID_SIZE), count(1)
+
+    @property
+    def is_matched(self) -> bool:
+        """True if the router knows a subscriber. Otherwise a message would be dropped without an error."""
+        return bool(self._publisher.matching_status.matching)
 
     def write(self, raw: bytes) -> None:
         head = _HEAD.pack(next(self._numbers), time.time_ns(), _GID_SIZE)
@@ -318,7 +326,11 @@ class ZenohSession:
             end = "/".join((topic.replace("/", "%"), wire_type, type_hash, _SPEED_QOS))
             token = self._session.liveliness().declare_token(self._token("MP", next(self._numbers), end))
             data = f"{self._domain}/{topic.strip('/')}/{wire_type}/{type_hash}"
-            self._publishers[key] = _Publisher(self._session, data, token)
+            publisher = self._publishers[key] = _Publisher(self._session, data, token)
+            # A node may declare its token before its subscriber.
+            until = self._clock.now() + MATCH_TIMEOUT_S
+            while not publisher.is_matched and self._clock.now() < until:
+                self._clock.sleep(0.005)
         return self._publishers[key]
 
     def _repeat_zeros(self) -> None:
