@@ -303,22 +303,14 @@ class Zenoh:
     """The nodes of zenoh-ros2-sdk, at a router in the same process."""
 
     def __init__(self, where: str) -> None:
-        import zenoh
+        from tests.unit.feeds.zenoh_router import open_router
 
         self.where = where
         if not where:
             with closing(socket.socket()) as probe:
                 probe.bind(("127.0.0.1", 0))
                 self.where = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
-            config = zenoh.Config()
-            settings = {
-                "mode": '"router"',
-                "listen/endpoints": f'["{self.where}"]',
-                "scouting/multicast/enabled": "false",
-            }
-            for name, value in settings.items():
-                config.insert_json5(name, value)
-            self._router = zenoh.open(config)
+            self._router = open_router(self.where)
 
     def _node(self, kind: str) -> dict[str, Any]:
         from rosbags.typesys import Stores, get_typestore

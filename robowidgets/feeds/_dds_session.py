@@ -25,15 +25,15 @@ from ._dds_domain import configured
 from ._dds_types import NODES, dds_topic, definition_of, opaque, ros_topic, struct, type_hash
 from ._guard.mark import MARK
 from ._ros2_common import (
-    ALONE,
+    TopicReports,
     adverts_of,
-    is_alone,
     nobody_left,
     not_coming,
     not_received,
     queue_depth,
     speed_types,
     unconfirmed,
+    unknown_type,
 )
 from ._ros2_types import decoder_for, ros_type
 from ._zeros import Zeros
@@ -135,9 +135,8 @@ class DdsSession:
         mark: str = "",
     ) -> None:
         self._clock, self._mark = clock, f"guard={mark};".encode() if mark else b""
-        self._listener, self._no_robot = listener, no_robot
-        self._alone_until: float | None = self._clock.now() + ALONE
-        """The time from which a missing robot is reported, or None once a robot was discovered."""
+        self._listener = listener
+        self._reports = TopicReports(listener, no_robot, clock)
         self._domain = configured(domain, interface, alone=bool(mark))
         self._participant = DomainParticipant(domain)
         self._own = self._participant.guid
@@ -159,8 +158,6 @@ class DdsSession:
         self._writers: dict[tuple[str, str], Any] = {}
         self._zeros = Zeros(self._clock)
         self._changed = True
-        self._topics: list[Advert] = []
-        self._is_told = False
 
     def close(self) -> None:
         """End the participant and everything that it made. Otherwise it lives while anything refers to it.
@@ -197,25 +194,10 @@ class DdsSession:
                 if missing := self._without_writer(topic):
                     with self._writing:
                         self._create_writers(topic, missing)
-            self._topics = self._adverts()
-            self._is_told = False
-        self._report_topics()
+            self._reports.change(self._adverts())
+        self._reports.look()
         self._report_unheard()
         self._repeat_zeros()
-
-    def _report_topics(self) -> None:
-        """Report the topics if they changed. Report an empty list only after there was time to discover some."""
-        if not is_alone(self._topics):
-            if self._alone_until is not None:
-                self._listener.on_nobody("")
-            self._alone_until = None
-        elif self._alone_until is not None:
-            if self._clock.now() < self._alone_until:
-                return
-            self._listener.on_nobody(self._no_robot)
-        if not self._is_told:
-            self._is_told = True
-            self._listener.on_topics(self._topics)
 
     def follow(self, topics: Iterable[str], each: frozenset[str]) -> None:
         """Create readers for the publishers of these topics, and another reader if every message is wanted.
@@ -351,12 +333,7 @@ class DdsSession:
             kind = struct(wish.type, wish.definition) if wish.described else opaque(wish.type)
             user_data = Policy.Userdata(type_hash(wish.type, wish.definition) + _OURS)
         except DecodeError:
-            self._listener.on_trouble(
-                wish.topic,
-                f"{wish.topic} comes as {wish.type}, a type that is not known here: "
-                "add its .msg files with robowidgets.messages.add_definitions(folder), or use feeds.ros2 or "
-                "feeds.foxglove, which do not need them",
-            )
+            self._listener.on_trouble(wish.topic, unknown_type(wish.topic, wish.type))
             return
         # A queue with a limit never rejects a message. A reliable reader that rejects one blocks its publisher.
         room = MOST_UNREAD if wish.each else EVENTS if wish.topic == NODES else queue_depth(wish.type)

@@ -6,7 +6,8 @@ import os
 from collections.abc import Collection, Iterable, Mapping
 
 from ..messages.twist import TWIST, TWIST_STAMPED
-from .middleware import EVENTS, Advert
+from ..runtime.clock import Clock
+from .middleware import EVENTS, Advert, Listener
 
 LAST_DOMAIN = 232
 
@@ -73,6 +74,41 @@ def is_alone(adverts: Iterable[Advert]) -> bool:
     return all(advert.name in _OF_EVERY_NODE for advert in adverts)
 
 
+class TopicReports:
+    """Reports the topics of a session once for each change, and an empty list only after time to discover some.
+
+    Args:
+        listener: gets the reports.
+        no_robot: the hint to report after that time, until a robot is discovered.
+        clock: the clock.
+    """
+
+    def __init__(self, listener: Listener, no_robot: str, clock: Clock) -> None:
+        self._listener, self._no_robot, self._clock = listener, no_robot, clock
+        self._alone_until: float | None = clock.now() + ALONE
+        """The time from which a missing robot is reported, or None once a robot was discovered."""
+        self._topics: list[Advert] = []
+        self._is_told = False
+
+    def change(self, topics: list[Advert]) -> None:
+        """Take the topics to report at the next look."""
+        self._topics, self._is_told = topics, False
+
+    def look(self) -> None:
+        """Report what is due."""
+        if not is_alone(self._topics):
+            if self._alone_until is not None:
+                self._listener.on_nobody("")
+            self._alone_until = None
+        elif self._alone_until is not None:
+            if self._clock.now() < self._alone_until:
+                return
+            self._listener.on_nobody(self._no_robot)
+        if not self._is_told:
+            self._is_told = True
+            self._listener.on_topics(self._topics)
+
+
 def no_robot(domain: int, *questions: str) -> str:
     """Return the text for a domain without a robot, with what to check."""
     first = 7400 + 250 * domain
@@ -103,6 +139,15 @@ def not_coming(topic: str, policy: str) -> str:
 def not_received(topic: str, policy: str) -> str:
     """Return the text for a subscriber that does not receive our messages."""
     return f"a subscriber of {topic} {_EXPECTS.get(policy, f'disagrees on {policy}')}, so it receives nothing"
+
+
+def unknown_type(topic: str, type_name: str) -> str:
+    """Return the text for a topic whose type has no known definition, with the remedy."""
+    return (
+        f"{topic} comes as {type_name}, a type that is not known here: "
+        "add its .msg files with robowidgets.messages.add_definitions(folder), or use feeds.ros2 or "
+        "feeds.foxglove, which do not need them"
+    )
 
 
 def unconfirmed(topic: str) -> str:

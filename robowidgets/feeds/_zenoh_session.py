@@ -7,7 +7,7 @@ import secrets
 import struct
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import count
 from typing import Any, NamedTuple
 
@@ -18,8 +18,8 @@ from zenoh.handlers import Callback, RingChannel
 from ..messages.decoding import Decode, DecodeError
 from ..runtime.clock import Clock
 from ._guard.mark import MARK
-from ._ros2_common import ALONE, adverts_of, is_alone, nobody_left, queue_depth, unconfirmed
-from ._ros2_types import decoder_for, definitions_of, hash_of, ros_type
+from ._ros2_common import TopicReports, adverts_of, nobody_left, queue_depth, unconfirmed, unknown_type
+from ._ros2_types import dds_type, decoder_for, definitions_of, hash_of, ros_type
 from ._zeros import Zeros
 from .middleware import MOST_UNREAD, Advert, FeedError, Listener, NotConnectedYetError
 
@@ -45,8 +45,8 @@ _AREA = "@ros2_lv"
 _NO_HASH = "TypeHashNotSupported"
 """The hash of every type on a robot with Humble, which has no hashes."""
 
-_BEST_EFFORT, _TRANSIENT_LOCAL = "2", "1"
-"""Numbers in the quality of service of a token. An empty text is the default: reliable and volatile."""
+_TRANSIENT_LOCAL = "1"
+"""The durability of a publisher that keeps its last messages, in the quality of service of its token."""
 
 _SENSOR_QOS, _LATCHED_QOS, _SPEED_QOS = "2::,5:,:,:,,", ":1:,1:,:,:,,", "::,1:,:,:,,"
 """Reliability, durability, history and depth, deadline, lifespan and liveliness of our subscribers and publishers."""
@@ -56,22 +56,20 @@ _HEAD = struct.Struct("<qqB")
 """The start of an attachment: sequence number, nanoseconds since 1970, and the size of the identifier that follows."""
 
 
+class RouterLostError(Exception):
+    """The router is lost. The text is the reason."""
+
+
 class Entity(NamedTuple):
     """A publisher or subscriber of another node, as its token reports it."""
 
+    kind: str
+    """``MP`` for a publisher, ``MS`` for a subscriber."""
     topic: str
     type: str
-    wire_type: str
-    """The name of the type in Zenoh's keys."""
     hash: str
     latched: bool
-    reliable: bool
     node: str
-
-    @property
-    def key(self) -> str:
-        """The end of the key of its data: topic, type and hash."""
-        return "/".join((self.topic.strip("/"), self.wire_type, self.hash))
 
 
 class TopicWish(NamedTuple):
@@ -79,19 +77,9 @@ class TopicWish(NamedTuple):
 
     topic: str
     type: str
-    wire_type: str
     hash: str
     latched: bool
     each: bool
-
-
-class _Token(NamedTuple):
-    """The parts of the key of a token."""
-
-    number: tuple[str, str]
-    kind: str
-    node: str
-    endpoint: Entity | None
 
 
 class _Subscription:
@@ -168,17 +156,20 @@ class ZenohSession:
     def __init__(
         self, locator: str, domain: int, listener: Listener, no_robot: str, clock: Clock, mark: str = ""
     ) -> None:
-        self._domain, self._listener, self._no_robot, self._clock = domain, listener, no_robot, clock
-        self._alone_until: float | None = clock.now() + ALONE
+        self._domain, self._listener, self._clock = domain, listener, clock
+        self._reports = TopicReports(listener, no_robot, clock)
         self._lock = threading.RLock()
         self._news = clock.condition(self._lock)
         self._is_woken = False
-        self._tokens: dict[tuple[str, str], _Token] = {}
-        """The tokens of other nodes. Zenoh's thread changes it with the lock."""
+        self._entities: dict[str, Entity] = {}
+        """By the keys of their tokens, what other nodes have. Zenoh's thread changes it with the lock."""
         self._changed = True
         self._wishes: dict[TopicWish, _Subscription] = {}
         self._followed: tuple[frozenset[str], frozenset[str]] | None = None
         self._unreadable: set[str] = set()
+        """The topics with a publisher whose messages cannot be decoded."""
+        self._has_passed = False
+        """True if messages were passed on since the last wait, so that more may have come."""
         self._writing = threading.Lock()
         self._publishers: dict[tuple[str, str, str], _Publisher] = {}
         """By topic, type and hash."""
@@ -187,7 +178,8 @@ class ZenohSession:
         self._is_asking = False
         self._numbers = count(1)
         self._session = zenoh.open(_config(locator))
-        self._zid = str(self._session.info.zid())
+        self._own = f"{_AREA}/{domain}/{self._session.info.zid()}/"
+        """The start of the keys of our tokens."""
         self._node = mark or f"robowidgets_{secrets.token_hex(3)}"
         liveliness = self._session.liveliness()
         self._handles = [
@@ -211,54 +203,45 @@ class ZenohSession:
 
     def wait(self) -> None:
         """Wait for a change of the topics, `wake`, or the time to take messages or to ask the router."""
+        if self._has_passed:
+            self._has_passed = False
+            return
         until = self._clock.now() + (POLL_PERIOD_S if self._wishes else PING_PERIOD_S)
         with self._lock:
             while not (self._is_woken or self._changed) and self._news.wait_until(until):
                 pass
             self._is_woken = False
 
-    def look(self) -> str:
-        """Report the topics, if they changed, and repeat zeros. Return the reason why the router is lost, or empty."""
-        if reason := self._why_lost():
-            return reason
+    def look(self) -> None:
+        """Report the topics, if they changed, and repeat zeros.
+
+        Raises:
+            RouterLostError: the router has ended the connection, or does not answer.
+        """
+        self._check_router()
         with self._lock:
             changed, self._changed = self._changed, False
         if changed:
             self._followed = None
-        topics = self._adverts()
-        if is_alone(topics) and self._alone_until is not None:
-            if self._clock.now() >= self._alone_until:
-                self._alone_until = None
-                self._listener.on_nobody(self._no_robot)
-                self._listener.on_topics(topics)
-        else:
-            if not is_alone(topics):
-                self._alone_until = None
-                self._listener.on_nobody("")
-            if changed:
-                self._listener.on_topics(topics)
+            self._reports.change(self._adverts())
+        self._reports.look()
         self._repeat_zeros()
-        return ""
 
     def follow(self, topics: frozenset[str], each: frozenset[str]) -> None:
         """Subscribe to the publishers of these topics, to every message if wanted, and to nothing else."""
         if (topics, each) == self._followed:
             return
         self._followed = topics, each
-        offers = [one for one in self._endpoints("MP") if one.topic in topics]
-        latched: dict[tuple[str, str], bool] = {}
-        for one in offers:
-            latched[one.key, one.topic] = latched.get((one.key, one.topic), False) or one.latched
-        wishes = {
-            TopicWish(one.topic, one.type, one.wire_type, one.hash, latched[one.key, one.topic], one.topic in each)
-            for one in offers
-        }
+        offers = [one for one in self._all("MP") if one.topic in topics]
+        latched = {(one.topic, one.type, one.hash) for one in offers if one.latched}
+        versions = {(one.topic, one.type, one.hash) for one in offers}
+        wishes = {TopicWish(*one, latched=one in latched, each=one[0] in each) for one in versions}
         for wish in self._wishes.keys() - wishes:
             self._wishes.pop(wish).end()
+        before, self._unreadable = self._unreadable, set()
         for wish in sorted(wishes - self._wishes.keys()):
             self._subscribe(wish)
-        for topic in self._unreadable - {one.topic for one in offers}:
-            self._unreadable.discard(topic)
+        for topic in before - self._unreadable:
             self._listener.on_trouble(topic, "")
 
     @property
@@ -272,6 +255,7 @@ class ZenohSession:
         taken = there.take()
         if taken is None:
             return False
+        self._has_passed = True
         raw, lost = taken
         if wish.each and lost:
             self._listener.on_missed(wish.topic, lost)
@@ -305,7 +289,7 @@ class ZenohSession:
                 raise FeedError(f"{topic} has no subscriber any more")
             try:
                 for key in {*known, *((topic, type_name, one.hash) for one in there)}:
-                    self._publisher(key, there).write(raw)
+                    self._publisher(key).write(raw)
                     if is_zero:
                         self._zeros.note_zero(topic, "/".join(key[1:]), raw, len(there))
             except zenoh.ZError as error:
@@ -318,15 +302,11 @@ class ZenohSession:
             if self._zeros.is_unheard(topic, len(there)):
                 raise TimeoutError(nobody_left(topic))
 
-    def _publisher(self, key: tuple[str, str, str], there: Sequence[Entity]) -> _Publisher:
+    def _publisher(self, key: tuple[str, str, str]) -> _Publisher:
         """Return the publisher of a topic, a type and its hash. A new one declares its token first."""
         if key not in self._publishers:
-            topic, _, type_hash = key
-            wire_type = next(one.wire_type for one in there if one.hash == type_hash)
-            end = "/".join((topic.replace("/", "%"), wire_type, type_hash, _SPEED_QOS))
-            token = self._session.liveliness().declare_token(self._token("MP", next(self._numbers), end))
-            data = f"{self._domain}/{topic.strip('/')}/{wire_type}/{type_hash}"
-            publisher = self._publishers[key] = _Publisher(self._session, data, token)
+            token = self._declare("MP", *key, _SPEED_QOS)
+            publisher = self._publishers[key] = _Publisher(self._session, self._data_key(*key), token)
             # A node may declare its token before its subscriber.
             until = self._clock.now() + MATCH_TIMEOUT_S
             while not publisher.is_matched and self._clock.now() < until:
@@ -352,17 +332,16 @@ class ZenohSession:
         except zenoh.ZError:  # the next requested zero reports it
             return
 
-    def _why_lost(self) -> str:
-        """Return the reason why the router is lost, or empty. Ask it from time to time, without a wait."""
+    def _check_router(self) -> None:
+        """Raise RouterLostError if the router is lost. Ask it from time to time, without a wait."""
         now = self._clock.now()
         if not self._session.info.routers_zid():
-            return "the Zenoh router has ended the connection"
+            raise RouterLostError("the Zenoh router has ended the connection")
         if self._is_asking and now - self._answered_at > SILENCE_TIMEOUT_S:
-            return f"the Zenoh router has not answered for {SILENCE_TIMEOUT_S:g} s"
+            raise RouterLostError(f"the Zenoh router has not answered for {SILENCE_TIMEOUT_S:g} s")
         if not self._is_asking and now - self._answered_at >= PING_PERIOD_S:
             self._is_asking, self._answered_at = True, now
             self._ask(self._on_answer, 4 * SILENCE_TIMEOUT_S)
-        return ""
 
     def _on_answer(self) -> None:
         """Note an answer of the router. Zenoh's thread calls it."""
@@ -379,35 +358,35 @@ class ZenohSession:
 
     def _ask(self, then: Any, timeout: float) -> None:
         """Ask the router for a token that does not exist. Zenoh calls a function when all answers have come."""
-        nothing = f"{_AREA}/{self._domain}/{self._zid}/0/0/nothing"
+        nothing = f"{self._own}0/0/nothing"
         handler: Callback[Any] = Callback(lambda _reply: None, drop=then, indirect=False)
         self._session.liveliness().get(nothing, handler, timeout=timeout)
 
     def _on_token(self, sample: Any) -> None:
-        """Note a token that appears or disappears. Zenoh's thread calls it."""
-        token = _parse_token(str(sample.key_expr))
-        if token is None or token.number[0] == self._zid or token.node.rpartition("/")[2].startswith(MARK):
+        """Note a publisher or subscriber that appears or disappears. Zenoh's thread calls it."""
+        key = str(sample.key_expr)
+        entity = _parse_token(key)
+        if entity is None or key.startswith(self._own) or entity.node.rpartition("/")[2].startswith(MARK):
             return
         with self._lock:
             if sample.kind == zenoh.SampleKind.PUT:
-                self._tokens[token.number] = token
+                self._entities[key] = entity
             else:
-                self._tokens.pop(token.number, None)
+                self._entities.pop(key, None)
             self._changed = True
             self._news.notify_all()
 
-    def _endpoints(self, kind: str) -> list[Entity]:
+    def _all(self, kind: str) -> list[Entity]:
         """Return the publishers (``MP``) or the subscribers (``MS``)."""
         with self._lock:
-            return [one.endpoint for one in self._tokens.values() if one.kind == kind and one.endpoint is not None]
+            return [one for one in self._entities.values() if one.kind == kind]
 
     def _subscribers(self, topic: str) -> list[Entity]:
         """Return the subscribers of a topic that may be a robot."""
-        return [one for one in self._endpoints("MS") if one.topic == topic and "/robowidgets_" not in one.node]
+        return [one for one in self._all("MS") if one.topic == topic and "/robowidgets_" not in one.node]
 
     def _adverts(self) -> list[Advert]:
-        publishers, subscribers = (_by_topic(self._endpoints(kind)) for kind in ("MP", "MS"))
-        return adverts_of(publishers, subscribers)
+        return adverts_of(_by_topic(self._all("MP")), _by_topic(self._all("MS")))
 
     def _subscribe(self, wish: TopicWish) -> None:
         try:
@@ -416,7 +395,8 @@ class ZenohSession:
             self._unreadable.add(wish.topic)
             self._listener.on_trouble(wish.topic, str(error))
             return
-        key = f"{self._domain}/{wish.topic.strip('/')}/{wish.wire_type}/{wish.hash}"
+        version = wish.topic, wish.type, wish.hash
+        key = self._data_key(*version)
         ring: RingChannel[Any] = RingChannel(MOST_UNREAD if wish.each else queue_depth(wish.type))
         subscriber: Any
         if wish.latched:
@@ -424,15 +404,21 @@ class ZenohSession:
             subscriber = ext.declare_advanced_subscriber(self._session, key, ring, history=history)
         else:
             subscriber = self._session.declare_subscriber(key, ring)
-        qos = _LATCHED_QOS if wish.latched else _SENSOR_QOS
-        end = "/".join((wish.topic.replace("/", "%"), wish.wire_type, wish.hash, qos))
-        token = self._session.liveliness().declare_token(self._token("MS", next(self._numbers), end))
+        token = self._declare("MS", *version, _LATCHED_QOS if wish.latched else _SENSOR_QOS)
         self._wishes[wish] = _Subscription(subscriber, token, decode)
 
-    def _token(self, kind: str, number: int, endpoint: str = "") -> str:
-        """Return the key of a token of ours: of the node, a publisher or a subscriber."""
-        parts = [_AREA, str(self._domain), self._zid, "0", str(number), kind, "%", "%", self._node]
-        return "/".join([*parts, *filter(None, [endpoint])])
+    def _data_key(self, topic: str, type_name: str, type_hash: str) -> str:
+        """Return the key of the messages of a topic."""
+        return f"{self._domain}/{topic.strip('/')}/{dds_type(type_name)}/{type_hash}"
+
+    def _declare(self, kind: str, topic: str, type_name: str, type_hash: str, qos: str) -> Any:
+        """Declare the token of a publisher (``MP``) or a subscriber (``MS``) of ours, and return it."""
+        parts = (topic.replace("/", "%"), dds_type(type_name), type_hash, qos)
+        return self._session.liveliness().declare_token("/".join((self._token(kind, next(self._numbers)), *parts)))
+
+    def _token(self, kind: str, number: int) -> str:
+        """Return the key of the token of our node (``NN``), or the start of the key of another token of it."""
+        return f"{self._own}0/{number}/{kind}/%/%/{self._node}"
 
 
 def _config(locator: str) -> zenoh.Config:
@@ -449,23 +435,20 @@ def _config(locator: str) -> zenoh.Config:
     return config
 
 
-def _parse_token(key: str) -> _Token | None:
-    """Return the parts of a token, or None for tokens of services and for other texts.
+def _parse_token(key: str) -> Entity | None:
+    """Return the publisher or subscriber of a token, or None for tokens of nodes and services and for other texts.
 
     A key is ``@ros2_lv/domain/session/node number/number/kind/enclave/namespace/node/topic/type/hash/qos``.
     """
     parts = key.split("/")
-    if len(parts) < 9 or parts[0] != _AREA:
+    if len(parts) < 13 or parts[0] != _AREA or parts[5] not in ("MP", "MS"):
         return None
-    session, number, kind = parts[2], parts[4], parts[5]
-    node = f"{parts[7].replace('%', '/').rstrip('/')}/{parts[8]}"
-    if kind not in ("MP", "MS") or len(parts) < 13:
-        return None
-    topic, type_name, qos = parts[9].replace("%", "/"), ros_type(parts[10]), parts[12].split(":")
+    type_name, qos = ros_type(parts[10]), parts[12].split(":")
     if not type_name or len(qos) < 2:
         return None
-    endpoint = Entity(topic, type_name, parts[10], parts[11], qos[1] == _TRANSIENT_LOCAL, qos[0] != _BEST_EFFORT, node)
-    return _Token((session, f"{parts[3]}/{number}/{kind}"), kind, node, endpoint)
+    node = f"{parts[7].replace('%', '/').rstrip('/')}/{parts[8]}"
+    topic = parts[9].replace("%", "/")
+    return Entity(parts[5], topic, type_name, parts[11], qos[1] == _TRANSIENT_LOCAL, node)
 
 
 def _by_topic(endpoints: Iterable[Entity]) -> dict[tuple[str, str], set[str]]:
@@ -483,14 +466,14 @@ def _decoder(wish: TopicWish) -> Decode:
         DecodeError: the type is unknown, or its known definitions have another hash, so that numbers could be wrong.
     """
     texts = definitions_of(wish.type)
-    remedy = "add its .msg files with robowidgets.messages.add_definitions(folder), or use feeds.foxglove"
     if not texts:
-        raise DecodeError(f"{wish.topic} comes as {wish.type}, a type that is not known here: {remedy}")
+        raise DecodeError(unknown_type(wish.topic, wish.type))
     if wish.hash == _NO_HASH:  # Humble: its definition is the default one, and the others follow if it fails
         return decoder_for(wish.type)
     for text in texts:
         if hash_of(wish.type, text) == wish.hash:
             return decoder_for(wish.type, text)
     raise DecodeError(
-        f"{wish.topic} comes as {wish.type} with other fields than known here (its hash is {wish.hash}): {remedy}"
+        f"{wish.topic} comes as {wish.type} with other fields than known here (its hash is {wish.hash}): "
+        "add its .msg files with robowidgets.messages.add_definitions(folder), or use feeds.foxglove"
     )

@@ -3,32 +3,24 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Mapping
 from contextlib import suppress
 from ipaddress import IPv4Address, IPv6Address, ip_address
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ..messages.twist import TWIST_STAMPED, encode_twist
+from ..messages.twist import TWIST_STAMPED
 from ..notebook import in_browser
 from ..runtime.clock import Clock
+from ._cdr_middleware import CdrMiddleware
 from ._guard.mark import MARK
 from ._ros2_common import checked_domain, no_robot
-from ._threaded import ThreadedMiddleware
-from ._twist import is_zero
 from .middleware import FeedError, Listener, Outlet
 
 if TYPE_CHECKING:
-    from ._dds_session import DdsSession
     from .feed import Feed
 
-_TURN = 0.01
-"""Seconds for which every message of one topic is passed on before other topics get their turn."""
 
-
-class Dds(ThreadedMiddleware):
+class Dds(CdrMiddleware):
     """A `Middleware` that is a participant in a DDS domain.
-
-    A thread reads; `publish` writes in the thread that calls it.
 
     Args:
         domain, interface: see `dds`.
@@ -47,7 +39,6 @@ class Dds(ThreadedMiddleware):
         super().__init__(clock)
         self._domain, self._interface = checked_domain("domain", domain), interface
         self._mark = mark
-        self._session: DdsSession | None = None
 
     @property
     def where(self) -> str:
@@ -69,19 +60,6 @@ class Dds(ThreadedMiddleware):
             raise FeedError(f"feeds.dds needs cyclonedds: pip install 'robowidgets[dds]' ({error})") from None
         self._start_thread("robowidgets-dds", listener)
 
-    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """See `Middleware`."""
-        raw = encode_twist("cdr", message_type, message)
-        with self._lock:
-            session = self._session
-        if session is None:
-            raise FeedError(f"{self.where} is not connected")
-        session.publish(topic, message_type, raw, is_zero=is_zero(message))
-
-    def _wake_session(self) -> None:
-        if self._session is not None:
-            self._session.wake()
-
     def _run_session(self, listener: Listener) -> str:
         from cyclonedds.core import DDSException
 
@@ -96,19 +74,9 @@ class Dds(ThreadedMiddleware):
         from ._dds_session import DdsSession
         from ._dds_types import struct
 
+        struct(TWIST_STAMPED)  # takes a while the first time, and no speed or zero should wait for it
         session = DdsSession(self._domain, listener, self._interface, self._no_robot(), self._clock, self._mark)
-        try:
-            struct(TWIST_STAMPED)  # takes a while the first time, and no speed or zero should wait for it
-            with self._lock:
-                self._session = session
-            listener.on_connected()
-            self._backoff.reset()
-            while not self._closed.is_set():
-                self._step(session)
-        finally:
-            with self._lock:
-                self._session = None
-            session.close()
+        self._serve(session, listener)
 
     def _no_robot(self) -> str:
         if self._interface == "lo":
@@ -119,17 +87,6 @@ class Dds(ThreadedMiddleware):
         likely = min(others, key=lambda name: not name.startswith(("e", "w")))  # a cable or radio, not a container
         asked = f"Is it in another network? Then use dds({self._domain}, interface={likely!r})."
         return no_robot(self._domain, f"{asked} The interfaces are {', '.join(others)}.")
-
-    def _step(self, session: DdsSession) -> None:
-        session.look()
-        session.follow(self._wanted, self._each)
-        for wish in session.wishes:
-            until = self._clock.now() + _TURN
-            while wish.topic in self._wanted and not self._closed.is_set() and session.pass_on(wish):
-                if not wish.each or self._clock.now() >= until:
-                    break
-        if not self._closed.is_set():
-            session.wait()
 
 
 def _interfaces() -> list[str]:

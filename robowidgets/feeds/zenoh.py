@@ -3,36 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from ..messages.twist import encode_twist
 from ..notebook import in_browser
 from ..runtime.clock import Clock
+from ._cdr_middleware import CdrMiddleware
 from ._guard.mark import MARK
 from ._ros2_common import checked_domain
-from ._threaded import ThreadedMiddleware
-from ._twist import is_zero
 from .middleware import FeedError, Listener, Outlet
 
 if TYPE_CHECKING:
-    from ._zenoh_session import ZenohSession
     from .feed import Feed
 
 PORT = 7447
 """The port of the router of a robot, unless its configuration says otherwise."""
 
-_TURN = 0.01
-"""Seconds for which every message of one topic is passed on before other topics get their turn."""
-
 _HOST = re.compile(r"([\w.-]+|\[[\da-fA-F:]+\])(:\d+)?")
 _LOCATOR = re.compile(r"(tcp|tls|udp|quic|ws)/([\w.-]+|\[[\da-fA-F:]+\]):\d+")
 
 
-class Zenoh(ThreadedMiddleware):
+class Zenoh(CdrMiddleware):
     """A `Middleware` that is a client of the Zenoh router of a robot.
-
-    A thread passes messages on; `publish` writes in the thread that calls it.
 
     Args:
         locator, domain: see `zenoh`.
@@ -47,7 +38,6 @@ class Zenoh(ThreadedMiddleware):
         super().__init__(clock)
         self._locator, self._domain = checked_locator(locator), checked_domain("domain", domain)
         self._mark = mark
-        self._session: ZenohSession | None = None
 
     @property
     def where(self) -> str:
@@ -69,23 +59,10 @@ class Zenoh(ThreadedMiddleware):
             raise FeedError(f"feeds.zenoh needs eclipse-zenoh: pip install 'robowidgets[zenoh]' ({error})") from None
         self._start_thread("robowidgets-zenoh", listener)
 
-    def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
-        """See `Middleware`."""
-        raw = encode_twist("cdr", message_type, message)
-        with self._lock:
-            session = self._session
-        if session is None:
-            raise FeedError(f"{self.where} is not connected")
-        session.publish(topic, message_type, raw, is_zero=is_zero(message))
-
-    def _wake_session(self) -> None:
-        if self._session is not None:
-            self._session.wake()
-
     def _run_session(self, listener: Listener) -> str:
         from zenoh import ZError
 
-        from ._zenoh_session import ZenohSession
+        from ._zenoh_session import RouterLostError, ZenohSession
 
         try:
             session = ZenohSession(self._locator, self._domain, listener, self._no_robot(), self._clock, self._mark)
@@ -94,34 +71,10 @@ class Zenoh(ThreadedMiddleware):
                 f"no Zenoh router answers at {self._locator}. Is the robot on, and in this network? Does its router "
                 "run (ros2 run rmw_zenoh_cpp rmw_zenohd)? Does a firewall block the port?"
             )
-        reason = ""
         try:
-            with self._lock:
-                self._session = session
-            listener.on_connected()
-            self._backoff.reset()
-            while not self._closed.is_set() and not reason:
-                reason = self._step(session)
-        finally:
-            with self._lock:
-                self._session = None
-            session.close()
-        return reason
-
-    def _step(self, session: ZenohSession) -> str:
-        """Pass on what has come, and wait for more. Return the reason why the router is lost, or empty."""
-        if reason := session.look():
-            return reason
-        session.follow(self._wanted, self._each)
-        passed = False
-        for wish in session.wishes:
-            until = self._clock.now() + _TURN
-            while wish.topic in self._wanted and not self._closed.is_set() and session.pass_on(wish):
-                passed = True
-                if not wish.each or self._clock.now() >= until:
-                    break
-        if not passed and not self._closed.is_set():
-            session.wait()
+            self._serve(session, listener)
+        except RouterLostError as lost:
+            return str(lost)
         return ""
 
     def _no_robot(self) -> str:
@@ -132,7 +85,7 @@ class Zenoh(ThreadedMiddleware):
 
 
 def checked_locator(locator: object) -> str:
-    """Return the address of a router as Zenoh writes it. Raise TypeError or ValueError if it is none."""
+    """Return the address of a router as Zenoh writes it. Raise TypeError or ValueError if it is not an address."""
     expected = "locator: expected the address of the robot's Zenoh router, such as 'tcp/robot:7447' or 'robot'"
     if not isinstance(locator, str):
         raise TypeError(f"{expected}, got {locator!r}")

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import gc
-import json
 import os
-import queue
 import resource
-import signal
 import socket
 import struct
-import subprocess
 import sys
 import threading
 import time
@@ -30,7 +26,7 @@ from cyclonedds.core import DDSException
 from cyclonedds.domain import Domain
 
 from robowidgets import EventsWidget
-from robowidgets.feeds import Driving, Feed, _dds_session, _threaded, _zeros
+from robowidgets.feeds import Driving, Feed, _dds_session, _ros2_common, _threaded, _zeros
 from robowidgets.feeds._dds_types import opaque, ros_topic
 from robowidgets.feeds._guard.mark import MARK
 from robowidgets.feeds._ros2_types import decoder_for, ros_type
@@ -46,6 +42,7 @@ from ..waiting import wait_for
 from . import dds_robot
 from .bursts import EVERY, record_bursts
 from .ears import Ears
+from .robot_process import RobotProcess
 
 # Test runs on one machine must not hear each other. From domain 102 on, other programs on Linux may use the ports.
 DOMAIN = 60 + os.getpid() % 42
@@ -59,49 +56,16 @@ HASHES = {
 }
 
 
-class Robot:
+class Robot(RobotProcess):
     """The process of `dds_robot`."""
 
     def __init__(self, lease: str = "10s") -> None:
-        command = [sys.executable, str(Path(__file__).with_name("dds_robot.py")), str(DOMAIN), lease]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self._told: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._listen, daemon=True).start()
-
-    def do(self, *what: Any) -> None:
-        assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(what) + "\n")
-        self._process.stdin.flush()
-
-    def heard(self) -> Any:
-        return json.loads(self._told.get(timeout=120))
-
-    @property
-    def has_heard(self) -> bool:
-        return not self._told.empty()
+        super().__init__("dds_robot.py", DOMAIN, lease)
 
     def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
         """Make it report the messages of a topic from now on."""
         self.do("hear", topic, kind, reliable)
         assert self.heard() == "ready"
-
-    def freeze(self) -> None:
-        """Stop the process without any notice to others."""
-        self._process.send_signal(signal.SIGSTOP)
-        # Its threads stop one after the other; the last might confirm messages that come meanwhile.
-        os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOWAIT)
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait()
-        assert self._process.stdin is not None
-        self._process.stdin.close()
-
-    def _listen(self) -> None:
-        assert self._process.stdout is not None
-        with self._process.stdout as lines:
-            for line in lines:
-                self._told.put(line)
 
 
 @pytest.fixture
@@ -797,8 +761,8 @@ def test_an_address_of_no_interface_is_reported_with_the_existing_interfaces(hea
 def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
     heard: Ears, start: Callable[..., Robot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert _dds_session.ALONE + 0.5 < 2.0, "plus the longest wait for a change"
-    monkeypatch.setattr(_dds_session, "ALONE", 0.5)
+    assert _ros2_common.ALONE + 0.5 < 2.0, "plus the longest wait for a change"
+    monkeypatch.setattr(_ros2_common, "ALONE", 0.5)
     dds = Dds(DOMAIN, interface="lo")
     dds.open(heard)
     wait_for(lambda: heard.nobody or heard.topics is not None, "it is reported")

@@ -199,10 +199,12 @@ def test_over_dds_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: lis
 
 @pytest.mark.slow
 def test_over_zenoh_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: list[Sent]) -> None:
-    zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed: pip install eclipse-zenoh")
+    pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed: pip install eclipse-zenoh")
     from zenoh import ext
 
     from robowidgets.feeds._ros2_types import dds_type, definitions_of, hash_of
+
+    from .zenoh_router import open_router
 
     def known(one: Sent) -> str:
         """The hash of the type, or empty unless we have the definition in the file."""
@@ -216,12 +218,8 @@ def test_over_zenoh_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: l
     with closing(socket.socket()) as probe:
         probe.bind(("127.0.0.1", 0))
         where = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
-    config = zenoh.Config()
-    settings = {"mode": '"router"', "listen/endpoints": f'["{where}"]', "scouting/multicast/enabled": "false"}
-    for name, value in (settings | {"timestamping/enabled": "true"}).items():
-        config.insert_json5(name, value)
     publishers = []
-    with zenoh.open(config) as robot:
+    with open_router(where) as robot:
         for number, (one, own) in enumerate(there):
             topic, kind = one.topic.strip("/"), dds_type(one.channel.type)
             cache = ext.CacheConfig(1)

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
-import queue
-import signal
 import socket
 import struct
-import subprocess
-import sys
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -30,6 +23,7 @@ from robowidgets.messages.encoding import encode
 
 from ..waiting import wait_for
 from .ears import Ears
+from .robot_process import RobotProcess
 
 SCAN, TWIST, STAMPED = "sensor_msgs/msg/LaserScan", "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 STRING, RANGE = "std_msgs/msg/String", "sensor_msgs/msg/Range"
@@ -41,60 +35,16 @@ def moving(x: float) -> dict[str, Any]:
     return {"linear": vector | {"x": x}, "angular": vector}
 
 
-class Process:
-    """A process that answers lines of JSON with lines of JSON."""
-
-    def __init__(self, script: str, *arguments: Any) -> None:
-        command = [sys.executable, str(Path(__file__).with_name(script)), *map(str, arguments)]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self._told: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._listen, daemon=True).start()
-
-    def do(self, *what: Any) -> None:
-        assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(what) + "\n")
-        self._process.stdin.flush()
-
-    def line(self) -> str:
-        return self._told.get(timeout=120).strip()
-
-    def heard(self) -> Any:
-        return json.loads(self.line())
-
-    @property
-    def unread(self) -> int:
-        return self._told.qsize()
-
-    def freeze(self) -> None:
-        self._process.send_signal(signal.SIGSTOP)
-        os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOWAIT)
-
-    def thaw(self) -> None:
-        self._process.send_signal(signal.SIGCONT)
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait()
-        assert self._process.stdin is not None
-        self._process.stdin.close()
-
-    def _listen(self) -> None:
-        assert self._process.stdout is not None
-        with self._process.stdout as lines:
-            for line in lines:
-                self._told.put(line)
-
-
-Start = Callable[..., Process]
+Start = Callable[..., RobotProcess]
 
 
 @pytest.fixture
 def start() -> Iterator[Start]:
     """Starts processes, which end with the test, also if it fails."""
-    there: list[Process] = []
+    there: list[RobotProcess] = []
 
-    def start_one(script: str, *arguments: Any) -> Process:
-        there.append(Process(script, *arguments))
+    def start_one(script: str, *arguments: Any) -> RobotProcess:
+        there.append(RobotProcess(script, *arguments))
         return there[-1]
 
     yield start_one
@@ -113,19 +63,19 @@ def port() -> int:
     return free_port()
 
 
-def start_router(start: Start, port: int, *others: str) -> Process:
+def start_router(start: Start, port: int, *others: str) -> RobotProcess:
     router = start("zenoh_router.py", port, *others)
-    assert router.line() == "ready"
+    assert router.heard() == "ready"
     return router
 
 
 @pytest.fixture
-def router(start: Start, port: int) -> Process:
+def router(start: Start, port: int) -> RobotProcess:
     return start_router(start, port)
 
 
 @pytest.fixture
-def robot(start: Start, port: int, router: Process) -> Process:
+def robot(start: Start, port: int, router: RobotProcess) -> RobotProcess:
     return start("zenoh_robot.py", port, 0)
 
 
@@ -135,14 +85,14 @@ def heard() -> Ears:
 
 
 @pytest.fixture
-def zenoh(port: int, heard: Ears, router: Process) -> Iterator[Zenoh]:
+def zenoh(port: int, heard: Ears, router: RobotProcess) -> Iterator[Zenoh]:
     zenoh = Zenoh(f"tcp/127.0.0.1:{port}")
     zenoh.open(heard)
     yield zenoh
     zenoh.close()
 
 
-def until(robot: Process, condition: Callable[[], object], what: str, *do: Any) -> None:
+def until(robot: RobotProcess, condition: Callable[[], object], what: str, *do: Any) -> None:
     def done() -> bool:
         if condition():
             return True
@@ -150,6 +100,13 @@ def until(robot: Process, condition: Callable[[], object], what: str, *do: Any) 
         return False
 
     wait_for(done, what)
+
+
+def obey(robot: RobotProcess, heard: Ears, kind: str = TWIST) -> None:
+    """Make the robot report the speeds that it gets, and wait until it is discovered."""
+    robot.do("hear", "/cmd_vel", kind)
+    assert robot.heard() == "ready"
+    wait_for(is_wanted(heard, "/cmd_vel", kind), "the subscriber is discovered")
 
 
 def scan(count: int) -> dict[str, Any]:
@@ -160,7 +117,7 @@ def is_wanted(heard: Ears, topic: str, kind: str = TWIST) -> Callable[[], bool]:
     return lambda: any((one.name, one.type, one.wanted) == (topic, kind, True) for one in heard.topics or ())
 
 
-def test_a_scan_comes_with_its_topic_type_and_node(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_a_scan_comes_with_its_topic_type_and_node(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
     zenoh.follow(frozenset({"/robot1/scan"}))
     write = ("write", "/robot1/scan", SCAN, scan(90), "front_laser", "/robot1")
     until(robot, lambda: heard.of("/robot1/scan"), "a scan comes", *write)
@@ -171,7 +128,9 @@ def test_a_scan_comes_with_its_topic_type_and_node(zenoh: Zenoh, heard: Ears, ro
     wait_for(lambda: not heard.topics, "the topic is gone")
 
 
-def test_only_the_domain_that_was_asked_for_is_listed(start: Start, router: Process, port: int, heard: Ears) -> None:
+def test_only_the_domain_that_was_asked_for_is_listed(
+    start: Start, router: RobotProcess, port: int, heard: Ears
+) -> None:
     robot = start("zenoh_robot.py", port, 3)
     robot.do("write", "/scan", SCAN, scan(3))
     other = Ears()
@@ -184,20 +143,16 @@ def test_only_the_domain_that_was_asked_for_is_listed(start: Start, router: Proc
 
 
 def test_the_speed_and_the_zero_arrive_and_the_zero_is_confirmed_by_the_router(
-    zenoh: Zenoh, heard: Ears, robot: Process
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess
 ) -> None:
-    robot.do("hear", "/cmd_vel", TWIST)
-    assert robot.heard() == "ready"
-    wait_for(is_wanted(heard, "/cmd_vel"), "the subscriber is discovered")
+    obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
     zenoh.publish("/cmd_vel", TWIST, moving(0.0))
     assert (robot.heard(), robot.heard()) == ([0.2, 0.0], [0.0, 0.0])
 
 
-def test_a_stamped_speed_reaches_the_subscriber_of_its_type(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
-    robot.do("hear", "/cmd_vel", STAMPED)
-    assert robot.heard() == "ready"
-    wait_for(is_wanted(heard, "/cmd_vel", STAMPED), "the subscriber is discovered")
+def test_a_stamped_speed_reaches_the_subscriber_of_its_type(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+    obey(robot, heard, STAMPED)
     header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"}
     zenoh.publish("/cmd_vel", STAMPED, {"header": header, "twist": moving(0.3)})
     assert robot.heard() == [0.3, 0.0]
@@ -205,24 +160,20 @@ def test_a_stamped_speed_reaches_the_subscriber_of_its_type(zenoh: Zenoh, heard:
         zenoh.publish("/cmd_vel", TWIST, moving(0.2))
 
 
-def test_zero_is_repeated_because_nothing_confirms_it(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
-    robot.do("hear", "/cmd_vel", TWIST)
-    assert robot.heard() == "ready"
-    wait_for(is_wanted(heard, "/cmd_vel"), "the subscriber is discovered")
+def test_zero_is_repeated_because_nothing_confirms_it(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+    obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
     zenoh.publish("/cmd_vel", TWIST, moving(0.0))
     assert [robot.heard() for _ in range(3)] == [[0.2, 0.0], [0.0, 0.0], [0.0, 0.0]]
 
 
 def test_without_a_subscriber_speeds_are_refused_and_a_lost_zero_is_reported(
-    zenoh: Zenoh, heard: Ears, robot: Process
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess
 ) -> None:
     wait_for(lambda: heard.connected, "the router answers")
     with pytest.raises(NotConnectedYetError, match="no subscriber"):
         zenoh.publish("/cmd_vel", TWIST, moving(0.2))
-    robot.do("hear", "/cmd_vel", TWIST)
-    assert robot.heard() == "ready"
-    wait_for(is_wanted(heard, "/cmd_vel"), "the subscriber is discovered")
+    obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
     assert robot.heard() == [0.2, 0.0]
     robot.kill()
@@ -234,11 +185,9 @@ def test_without_a_subscriber_speeds_are_refused_and_a_lost_zero_is_reported(
 
 
 def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
-    zenoh: Zenoh, heard: Ears, robot: Process, start: Start, port: int
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess, start: Start, port: int
 ) -> None:
-    robot.do("hear", "/cmd_vel", TWIST)
-    assert robot.heard() == "ready"
-    wait_for(is_wanted(heard, "/cmd_vel"), "the subscriber is discovered")
+    obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
     robot.kill()
     wait_for(lambda: not is_wanted(heard, "/cmd_vel")(), "the subscriber is gone")
@@ -249,7 +198,7 @@ def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
     assert (again.heard(), again.heard()) == ("ready", [0.0, 0.0])
 
 
-def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Process, port: int) -> None:
+def test_a_zero_right_before_closing_arrives(heard: Ears, robot: RobotProcess, port: int) -> None:
     robot.do("hear", "/cmd_vel", TWIST)
     assert robot.heard() == "ready"
     zenoh = Zenoh(f"tcp/127.0.0.1:{port}")
@@ -262,7 +211,7 @@ def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Process, port: 
 
 
 def test_a_router_that_is_killed_and_started_again_is_found_again(
-    zenoh: Zenoh, heard: Ears, robot: Process, router: Process, start: Start, port: int
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess, router: RobotProcess, start: Start, port: int
 ) -> None:
     zenoh.follow(frozenset({"/scan"}))
     robot.do("flood", "/scan", SCAN, 0.02, scan(9))
@@ -286,11 +235,9 @@ def test_a_router_that_is_killed_and_started_again_is_found_again(
 
 
 def test_a_router_that_hangs_is_reported_and_does_not_confirm_zero(
-    zenoh: Zenoh, heard: Ears, robot: Process, router: Process
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess, router: RobotProcess
 ) -> None:
-    robot.do("hear", "/cmd_vel", TWIST)
-    assert robot.heard() == "ready"
-    wait_for(is_wanted(heard, "/cmd_vel"), "the subscriber is discovered")
+    obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
     assert robot.heard() == [0.2, 0.0]
     router.freeze()
@@ -303,7 +250,7 @@ def test_a_router_that_hangs_is_reported_and_does_not_confirm_zero(
     wait_for(lambda: heard.connected > 1, "the router is found again")
 
 
-def test_a_topic_behind_a_second_router_is_reached(start: Start, router: Process, port: int, heard: Ears) -> None:
+def test_a_topic_behind_a_second_router_is_reached(start: Start, router: RobotProcess, port: int, heard: Ears) -> None:
     far = free_port()
     start_router(start, far, f"tcp/127.0.0.1:{port}")
     robot = start("zenoh_robot.py", far, 0)
@@ -313,7 +260,9 @@ def test_a_topic_behind_a_second_router_is_reached(start: Start, router: Process
         until(robot, lambda: heard.of("/scan"), "a scan comes", "write", "/scan", SCAN, scan(5))
 
 
-def test_a_message_that_its_publisher_keeps_reaches_late_subscribers(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_a_message_that_its_publisher_keeps_reaches_late_subscribers(
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess
+) -> None:
     raw = encode("cdr", STRING, {"data": "a map"})
     robot.do("put", "/map_name", STRING, hash_of(STRING), KEPT, raw.hex())
     wait_for(lambda: any(one.name == "/map_name" for one in heard.topics or ()), "the topic is listed")
@@ -323,7 +272,7 @@ def test_a_message_that_its_publisher_keeps_reaches_late_subscribers(zenoh: Zeno
 
 
 def test_a_type_with_other_fields_under_the_same_name_is_reported_and_not_decoded(
-    zenoh: Zenoh, heard: Ears, robot: Process
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess
 ) -> None:
     zenoh.follow(frozenset({"/scan"}))
     until(robot, lambda: heard.troubles.get("/scan"), "it is reported", "put", "/scan", SCAN, "RIHS01_00", VOLATILE, "")
@@ -332,21 +281,33 @@ def test_a_type_with_other_fields_under_the_same_name_is_reported_and_not_decode
     assert not heard.of("/scan")
 
 
-def test_an_unknown_type_is_named(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_the_report_of_other_fields_ends_with_their_publisher(
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess
+) -> None:
+    zenoh.follow(frozenset({"/name"}))
+    put = ("put", "/name", STRING, "RIHS01_00", VOLATILE, "")
+    until(robot, lambda: heard.troubles.get("/name"), "it is reported", *put)
+    until(robot, lambda: heard.of("/name"), "a message comes", "write", "/name", STRING, {"data": "ok"})
+    assert heard.troubles["/name"], "the other publisher is still there"
+    robot.do("withdraw", "/name", STRING)
+    wait_for(lambda: not heard.troubles["/name"], "the report ends")
+
+
+def test_an_unknown_type_is_named(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
     zenoh.follow(frozenset({"/riddle"}))
     put = ("put", "/riddle", "nobody_msgs/msg/Riddle", "RIHS01_00", VOLATILE, "")
     until(robot, lambda: heard.troubles.get("/riddle"), "it is reported", *put)
     assert "/riddle comes as nobody_msgs/msg/Riddle, a type that is not known here" in heard.troubles["/riddle"]
 
 
-def test_a_range_with_the_hash_of_its_fields_is_read(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_a_range_with_the_hash_of_its_fields_is_read(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
     zenoh.follow(frozenset({"/sonar"}))
     values = {"min_range": 0.1, "max_range": 4.0, "range": 1.5, "variance": 0.5}
     until(robot, lambda: heard.of("/sonar"), "it comes", "write", "/sonar", RANGE, values)
     assert heard.of("/sonar")[0].variance == 0.5
 
 
-def test_a_range_of_humble_which_has_no_hashes_is_read(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_a_range_of_humble_which_has_no_hashes_is_read(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
     zenoh.follow(frozenset({"/sonar"}))
     raw = b"\0\1\0\0" + struct.pack("<iII1sB2xffff", 0, 0, 1, b"\0", 0, 0.0, 0.1, 4.0, 1.5)
     put = ("put", "/sonar", RANGE, "TypeHashNotSupported", VOLATILE, raw.hex())
@@ -354,7 +315,9 @@ def test_a_range_of_humble_which_has_no_hashes_is_read(zenoh: Zenoh, heard: Ears
     assert heard.of("/sonar")[0].range == pytest.approx(1.5)
 
 
-def test_a_truncated_message_is_reported_until_a_whole_one_comes(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_a_truncated_message_is_reported_until_a_whole_one_comes(
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess
+) -> None:
     zenoh.follow(frozenset({"/name"}))
     put = ("put", "/name", STRING, hash_of(STRING), VOLATILE)
     until(robot, lambda: heard.troubles.get("/name"), "it is reported", *put, "0001000009000000")
@@ -363,7 +326,7 @@ def test_a_truncated_message_is_reported_until_a_whole_one_comes(zenoh: Zenoh, h
     assert heard.troubles["/name"] == ""
 
 
-def test_lost_messages_are_counted_if_each_is_wanted(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_lost_messages_are_counted_if_each_is_wanted(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
     zenoh.follow(frozenset({"/name"}), frozenset({"/name"}))
     put = ("put", "/name", STRING, hash_of(STRING), VOLATILE, encode("cdr", STRING, {"data": "ok"}).hex())
     until(robot, lambda: heard.of("/name"), "one comes", *put)
@@ -373,31 +336,24 @@ def test_lost_messages_are_counted_if_each_is_wanted(zenoh: Zenoh, heard: Ears, 
 
 
 @pytest.mark.slow
-def test_messages_of_100_mb_come(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_messages_of_100_mb_come(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
     zenoh.follow(frozenset({"/image"}))
     size = 100_000_000
     kind = "sensor_msgs/msg/Image"
     head = b"\0\1\0\0" + struct.pack("<iII2s2xIII6sBxII", 1, 2, 2, b"x", 1, size, 6, b"mono8", 0, size, size)
     put = ("put", "/image", kind, hash_of(kind), VOLATILE, head.hex(), size)
-    wait_for(lambda: heard.connected, "the router answers")
+    robot.do(*put)  # before a subscriber is there
+    robot.do("wait_for_subscriber", "/image", kind)
     robot.do(*put)
-    wait_for(lambda: any(one.name == "/image" for one in heard.topics or ()), "the topic is listed")
-    time_out = threading.Event()
-    for _ in range(20):
-        robot.do(*put)
-        if heard.of("/image") or time_out.wait(1.0):
-            break
     wait_for(lambda: heard.of("/image"), "an image comes")
     assert len(heard.of("/image")[0].data) == size
     assert not heard.lost
 
 
 def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(
-    zenoh: Zenoh, heard: Ears, robot: Process, port: int
+    zenoh: Zenoh, heard: Ears, robot: RobotProcess, port: int
 ) -> None:
-    robot.do("hear", "/cmd_vel", TWIST)
-    assert robot.heard() == "ready"
-    wait_for(is_wanted(heard, "/cmd_vel"), "the subscriber is discovered")
+    obey(robot, heard)
     for mark in (MARK, "robowidgets_guard_of_another"):
         with closing(Zenoh(f"tcp/127.0.0.1:{port}", mark=mark)) as guard:
             ears = Ears()
@@ -414,7 +370,7 @@ def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(
                 )
 
 
-def test_no_message_comes_after_unsubscribing(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
+def test_no_message_comes_after_unsubscribing(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
     zenoh.follow(frozenset({"/scan", "/other"}))
     until(robot, lambda: heard.of("/scan"), "a scan comes", "write", "/scan", SCAN, scan(3))
     zenoh.follow(frozenset({"/other"}))
@@ -424,7 +380,7 @@ def test_no_message_comes_after_unsubscribing(zenoh: Zenoh, heard: Ears, robot: 
     assert [len(one.ranges) for one in heard.of("/scan")[count:]] in ([], [3])
 
 
-def test_twenty_opens_and_closes_leave_no_thread(router: Process, port: int) -> None:
+def test_twenty_opens_and_closes_leave_no_thread(router: RobotProcess, port: int) -> None:
     def threads() -> int:
         return len(os.listdir("/proc/self/task"))
 

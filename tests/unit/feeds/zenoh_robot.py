@@ -1,7 +1,7 @@
 """A robot on Zenoh, in its own process: reads commands as lines of JSON, and writes received messages as lines of JSON.
 
-Its nodes are those of ROBOTIS's zenoh-ros2-sdk, which shares no code with the feed. The SDK has no cache for late
-subscribers and no messages of other definitions: these are written here with Zenoh alone.
+It uses the nodes of zenoh-ros2-sdk by ROBOTIS, which shares no code with the feed. The SDK neither keeps messages for
+late subscribers nor sends messages by other definitions, so these are written here with Zenoh alone.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import struct
 import sys
 import threading
 import time
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -58,11 +59,12 @@ class Robot:
         self._subscribers: list[Any] = []
         self._session: Any = None
         self._raw: dict[tuple[str, str], Any] = {}
+        self._numbers = count(1)
 
-    def _kind(self, kind: str, type_hash: str = "") -> dict[str, Any]:
+    def _kind(self, kind: str) -> dict[str, Any]:
         return {
             "msg_definition": STORE.generate_msgdef(kind, ros_version=2)[0],
-            "type_hash": type_hash or STORE.hash_rihs01(kind),
+            "type_hash": STORE.hash_rihs01(kind),
             **self._at,
         }
 
@@ -85,13 +87,6 @@ class Robot:
 
         self._subscribers.append(ROS2Subscriber(topic, kind, callback=heard, node_name="base", **self._kind(kind)))
         tell("ready")
-
-    def deaf(self) -> None:
-        """Drop the subscribers of speeds."""
-        for one in self._subscribers:
-            one.close()
-        self._subscribers.clear()
-        tell("deaf")
 
     def stop(self, topic: str, kind: str) -> None:
         self._publishers.pop((topic, kind)).close()
@@ -117,13 +112,12 @@ class Robot:
         wire = f"{package}::msg::dds_::{name}_"
         if (topic, kind) not in self._raw:
             key = f"{self._domain}/{topic.strip('/')}/{wire}/{type_hash}"
-            cache = ext.CacheConfig(1) if qos == KEPT else None
-            publisher = (
-                ext.declare_advanced_publisher(self._session, key, cache=cache, publisher_detection=True)
-                if cache
-                else self._session.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK)
-            )
-            token = f"@ros2_lv/{self._domain}/{self._session.info.zid()}/0/{len(self._raw) + 1}/MP/%/%/raw/"
+            if qos == KEPT:
+                cache = ext.CacheConfig(1)
+                publisher = ext.declare_advanced_publisher(self._session, key, cache=cache, publisher_detection=True)
+            else:
+                publisher = self._session.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK)
+            token = f"@ros2_lv/{self._domain}/{self._session.info.zid()}/0/{next(self._numbers)}/MP/%/%/raw/"
             token += "/".join((topic.replace("/", "%"), wire, type_hash, qos))
             held = self._session.liveliness().declare_token(token)
             self._raw[topic, kind] = [publisher, held, 0, os.urandom(16)]
@@ -131,6 +125,17 @@ class Robot:
         there[2] += 1
         head = struct.pack("<qqB", there[2], time.time_ns(), 16) + there[3]
         there[0].put(bytes.fromhex(raw) + bytes(size), attachment=head)
+
+    def withdraw(self, topic: str, kind: str) -> None:
+        """Drop a publisher of bytes."""
+        publisher, token, *_ = self._raw.pop((topic, kind))
+        token.undeclare()
+        publisher.undeclare()
+
+    def wait_for_subscriber(self, topic: str, kind: str) -> None:
+        """Wait until a publisher of bytes has a subscriber."""
+        while not self._raw[topic, kind][0].matching_status.matching:
+            time.sleep(0.01)
 
     def skip(self, topic: str, kind: str, count: int) -> None:
         """Count messages that are never sent, as if the network had lost them."""

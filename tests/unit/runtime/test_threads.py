@@ -96,7 +96,7 @@ def full(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("full")
     at_work, at_end = folder / "at_work.json", folder / "at_end.json"
     kernel = Kernel(folder / "heard.txt", before=NOTED)
-    expected = listed_threads() - {"robowidgets-dds", "robowidgets-ros2", "robowidgets"}
+    expected = listed_threads() - {"robowidgets-dds", "robowidgets-zenoh", "robowidgets-ros2", "robowidgets"}
     try:
         for cell, code in (
             ("full", FULL.format(run=str(folder / "run.mcap"))),
