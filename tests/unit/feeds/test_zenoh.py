@@ -281,9 +281,7 @@ def test_a_type_with_other_fields_under_the_same_name_is_reported_and_not_decode
     assert not heard.of("/scan")
 
 
-def test_the_report_of_other_fields_ends_with_their_publisher(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess
-) -> None:
+def test_the_report_of_other_fields_ends_with_their_publisher(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
     zenoh.follow(frozenset({"/name"}))
     put = ("put", "/name", STRING, "RIHS01_00", VOLATILE, "")
     until(robot, lambda: heard.troubles.get("/name"), "it is reported", *put)
