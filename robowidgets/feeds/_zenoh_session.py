@@ -17,6 +17,7 @@ from zenoh.handlers import Callback, RingChannel
 
 from ..messages.decoding import Decode, DecodeError
 from ..runtime.clock import Clock
+from ..samples.staleness import ROBOT_GONE, ROBOT_SILENCE
 from ._guard.mark import MARK
 from ._ros2_common import TopicReports, adverts_of, nobody_left, queue_depth, unconfirmed, unknown_type
 from ._ros2_types import dds_type, decoder_for, definitions_of, hash_of, ros_type
@@ -37,9 +38,6 @@ MATCH_TIMEOUT_S = 0.3
 
 PING_PERIOD_S = 0.5
 """Seconds between two questions to the router, if it has answered."""
-
-SILENCE_TIMEOUT_S = 2.0
-"""Seconds without an answer after which the router is considered lost. Zenoh itself waits for ten seconds."""
 
 _AREA = "@ros2_lv"
 _NO_HASH = "TypeHashNotSupported"
@@ -174,8 +172,10 @@ class ZenohSession:
         self._publishers: dict[tuple[str, str, str], _Publisher] = {}
         """By topic, type and hash."""
         self._zeros = Zeros(clock)
-        self._answered_at = clock.now()
-        self._is_asking = False
+        self._asked_at: float | None = None
+        """The time of the question that the router has not answered yet, or None."""
+        self._ask_at = clock.now()
+        self._is_silent = False
         self._numbers = count(1)
         self._session = zenoh.open(_config(locator))
         self._own = f"{_AREA}/{domain}/{self._session.info.zid()}/"
@@ -277,7 +277,7 @@ class ZenohSession:
 
         Raises:
             NotConnectedYetError: no subscriber was ever there.
-            FeedError: no subscriber is there any more, or Zenoh refuses the message.
+            FeedError: no subscriber is there any more, the router does not answer, or Zenoh refuses the message.
             TimeoutError: the message is a zero, and the router has not answered, or the subscriber is gone.
         """
         with self._writing:
@@ -287,6 +287,10 @@ class ZenohSession:
                 raise NotConnectedYetError(f"{topic} has no subscriber for {type_name} yet")
             if not there and not is_zero:
                 raise FeedError(f"{topic} has no subscriber any more")
+            if not is_zero and (silence := self._silence) >= ROBOT_SILENCE:  # it would reach the robot late
+                raise FeedError(
+                    f"the Zenoh router has not answered for {silence:.1f} s: until it does, only zero is sent"
+                )
             try:
                 for key in {*known, *((topic, type_name, one.hash) for one in there)}:
                     self._publisher(key).write(raw)
@@ -337,15 +341,27 @@ class ZenohSession:
         now = self._clock.now()
         if not self._session.info.routers_zid():
             raise RouterLostError("the Zenoh router has ended the connection")
-        if self._is_asking and now - self._answered_at > SILENCE_TIMEOUT_S:
-            raise RouterLostError(f"the Zenoh router has not answered for {SILENCE_TIMEOUT_S:g} s")
-        if not self._is_asking and now - self._answered_at >= PING_PERIOD_S:
-            self._is_asking, self._answered_at = True, now
-            self._ask(self._on_answer, 4 * SILENCE_TIMEOUT_S)
+        if self._silence >= ROBOT_GONE:
+            raise RouterLostError(f"the Zenoh router has not answered for {ROBOT_GONE:g} s")
+        if self._asked_at is None and now >= self._ask_at:
+            self._asked_at, self._ask_at = now, now + PING_PERIOD_S
+            self._ask(self._on_answer, 2 * ROBOT_GONE)
+        is_silent = self._silence >= ROBOT_SILENCE
+        if is_silent != self._is_silent:
+            self._is_silent = is_silent
+            reason = "the Zenoh router does not answer: until it does, only zero is sent" if is_silent else ""
+            for topic in {topic for topic, *_ in list(self._publishers)}:
+                self._listener.on_unheard(topic, reason)
+
+    @property
+    def _silence(self) -> float:
+        """Seconds since the question that the router has not answered yet, or 0."""
+        asked_at = self._asked_at
+        return 0.0 if asked_at is None else self._clock.now() - asked_at
 
     def _on_answer(self) -> None:
         """Note an answer of the router. Zenoh's thread calls it."""
-        self._is_asking, self._answered_at = False, self._clock.now()
+        self._asked_at = None
 
     def _is_answered(self, seconds: float) -> bool:
         """Return True if the router answers within some seconds."""
