@@ -147,9 +147,8 @@ def test_it_tells_the_line_at_which_a_function_hangs(owner: Owner) -> None:
 
     owner.run(wait_here)
     owner.settle_hung()
-    wait_for(lambda: owner.runner.where(wait_here), "it is at its line")
     line = wait_here.__code__.co_firstlineno + 1
-    assert owner.runner.where(wait_here) == f", line {line}"
+    wait_for(lambda: owner.runner.where(wait_here) == f", line {line}", "it is at its line")
 
 
 def test_a_function_that_was_left_is_ended_when_its_grace_is_over_and_one_that_returned_is_not(
