@@ -95,7 +95,8 @@ class FreezableWidget(NamedWidget):
         if not frame or self.driven_by_player:
             return self._about
         number, *_ = FRAME_HEADER.unpack_from(frame)
-        return next((about for first, about in reversed(self._abouts) if first <= number), self._about)
+        # A copy, because the thread that sends samples adds texts meanwhile.
+        return next((about for first, about in reversed(self._abouts.copy()) if first <= number), self._about)
 
 
 def freeze_together(widgets: Iterable[GroupedWidget]) -> str:
