@@ -51,7 +51,7 @@ def _(recording, robowidgets):
     near, speed = robowidgets.LaserWidget(title="/near"), robowidgets.SpeedWidget(title="/speed")
     near.update(recording.at("/scan", 24.1))
     speed.update(linear=(0.1, 0, 0), angular=(0, 0, 0))
-    robowidgets.together(near, speed)
+    robowidgets.screen(near, speed)
     return
 
 
