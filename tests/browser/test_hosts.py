@@ -121,7 +121,7 @@ def shows(page: Page) -> None:
 
 
 def shows_views(page: Page) -> None:
-    """Check views of several widgets with pointer and keys: of two widgets, of a robot, and of a recording, which plays."""
+    """Check screens with pointer and keys: of two widgets, of a robot, and of a recording, which plays."""
     cards = {name: page.locator(".rw-columns .rw-card", has_text=name) for name in ("/near", "/speed")}
     cards["/near"].locator(".rw-freeze").click()
     for card in cards.values():
