@@ -46,7 +46,7 @@ from .samples import (
     spread,
 )
 from .scanogram_widget import ScanogramWidget
-from .screens.together import together
+from .screens.screen import screen
 from .shapes import Arc, Arrow, Line, Points, Polygon, Text
 from .sonar_widget import SonarWidget
 from .speed_widget import SpeedWidget
@@ -133,10 +133,10 @@ __all__ = [
     "lessons",
     "load_map",
     "plot",
+    "screen",
     "simulator",
     "spread",
     "summary",
-    "together",
 ]
 
 shorten_tracebacks()

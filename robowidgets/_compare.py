@@ -26,7 +26,8 @@ from .samples import Pose
 from .samples.map_item import MapItem
 from .samples.sector import ALL_ROUND, SectorLike
 from .samples.state_span import StateSpan, rows_of
-from .screens.layout import Together
+from .screen_widget import ScreenWidget
+from .screens.layout import in_columns
 from .shapes import Points
 from .speed.row import SPEED
 
@@ -42,7 +43,7 @@ _NAME = 40
 _LINES = ("nearest", "speed")
 
 
-class Comparison(Together):
+class Comparison(ScreenWidget):
     """The plot and the map of `compare`, side by side. The map shows the robots at the time of the plot.
 
     Attributes:
@@ -55,7 +56,7 @@ class Comparison(Together):
         # By place, all robots were at the place of the first one.
         self._ways = dict([*ways.items()][:1]) if is_by_place else ways
         self._marked: list[str] = []
-        super().__init__([plot, *([self.map] if self.map else [])])
+        super().__init__(places=in_columns([plot, *([self.map] if self.map else [])]))
         plot.observe(self._mark, "time")
 
     def _mark(self, change: Any) -> None:

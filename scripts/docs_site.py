@@ -60,7 +60,7 @@ NOT_IN_BROWSER = {
 API = {
     "Widgets": """LaserWidget SpeedWidget TouchWidget SonarWidget ImageWidget CloudWidget PathWidget PlotWidget
         MessageWidget EventsWidget ScanogramWidget WiresWidget DriveWidget ProgramWidget MachineWidget Footprint Sector
-        together plot load_map""",
+        screen plot load_map""",
     "Samples": "Scan Ray Range Ranges Cloud Speed Touch TouchState TouchMode Event MapGrid Validity spread",
     "Shapes": "Arc Arrow Line Points Polygon Text",
     "Recordings": "open Recording RecordingError find summary",
@@ -92,14 +92,17 @@ import json, sys
 from IPython.core.interactiveshell import InteractiveShell
 from IPython.utils.capture import capture_output
 from ipywidgets import Widget
-from robowidgets.export.models import Models, shown
+from robowidgets.export.models import Models
+from robowidgets.screen_widget import ScreenWidget
 
 shell = InteractiveShell.instance()
 blocks, live, out = json.load(sys.stdin)
 VIEW = "application/vnd.jupyter.widget-view+json"
 
 def all_of(widget):
-    return [one for child in widget.children for one in all_of(child)] if hasattr(widget, "children") else [widget]
+    """Return all widgets in a box, or all on a screen and the screen itself."""
+    inner = [one for child in getattr(widget, "children", ()) for one in all_of(child)]
+    return inner if hasattr(widget, "box_style") else [*inner, widget]
 
 def waits(part):
     """Return True while the widget has received no sample."""
@@ -118,6 +121,9 @@ for number, source in enumerate(blocks):
         shows.append(cell.result)
     for widget in shows[-1:]:
         parts = all_of(widget)
+        if widget not in parts:  # the site has no boxes
+            widget = ScreenWidget(places={"foot": parts})
+            parts = [*parts, widget]
         if any(type(part).__module__.rpartition(".")[2] not in live for part in parts) or any(map(waits, parts)):
             continue
         models = Models()
@@ -126,7 +132,7 @@ for number, source in enumerate(blocks):
             known_traits = part.keys
             models.add(part, {k: v for k, v in {"_source": {}, "_silence": 0.0}.items() if k in known_traits})
         with open(out % number, "wb") as file:
-            file.write(models.part(shown(widget)))
+            file.write(models.part(widget.model_id))
 '''
 
 

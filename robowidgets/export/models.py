@@ -1,8 +1,8 @@
-"""The state of widgets, and their layout on the page."""
+"""The states of the widgets on a page, and their scripts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from re import search
 from typing import Any
@@ -11,7 +11,15 @@ from ..widget.front_end import bundle
 from .html import PageAssets, inlined, static
 from .segments import compressed
 
-_BUILT_IN = ("laser_widget", "path_widget", "player_widget", "scanogram_widget", "speed_widget", "touch_widget")
+_BUILT_IN = (
+    "laser_widget",
+    "path_widget",
+    "player_widget",
+    "scanogram_widget",
+    "screen_widget",
+    "speed_widget",
+    "touch_widget",
+)
 """The widgets in the script of each page."""
 
 _OF_HOST = ("layout", "tabbable", "tooltip", "_anywidget_id", "_css", "_esm", "_script", "_style")
@@ -40,10 +48,10 @@ class Models:
         self._models.append({"id": widget.model_id, "widget": self._script_of(widget), "state": plain})
         self._buffers += [(widget.model_id, name, bytes(state[name])) for name in sorted(binary)]
 
-    def part(self, shown: Mapping[str, Any], **facts: Any) -> bytes:
-        """Return the part of the page with all models, an element with its children, and more facts."""
+    def part(self, root: str, **facts: Any) -> bytes:
+        """Return the part of the page with all models, the id of the model to show, and more facts."""
         buffers = [[model, name, len(value)] for model, name, value in self._buffers]
-        texts = {"models": self._models, "buffers": buffers, "shown": shown, "keys": self._keys}
+        texts = {"models": self._models, "buffers": buffers, "root": root, "keys": self._keys}
         return compressed({**texts, **facts}, [value for _, _, value in self._buffers])
 
     def assets(self) -> PageAssets:
@@ -69,20 +77,3 @@ class Models:
         self._keys[name] = key[1]
         self._foreign[name] = inlined(script, name), inlined(str(getattr(owner, "_css", "")), name)
         return name
-
-
-def shown(widget: Any, leave_out: Iterable[Any] = ()) -> dict[str, Any]:
-    """Return the element of a widget, or of a box of widgets, on the page, for `Models.part`."""
-    layout = widget.layout
-    style = {
-        name.replace("_", "-"): str(value)
-        for name in layout.keys
-        if not name.startswith("_") and (value := getattr(layout, name)) is not None
-    }
-    element: dict[str, Any] = {"classes": list(widget._dom_classes), "style": style}
-    if not hasattr(widget, "children"):
-        return {**element, "model": widget.model_id}
-    if widget._model_name == "VBoxModel":
-        style.setdefault("flex-direction", "column")
-    left = list(leave_out)
-    return {**element, "children": [shown(child, left) for child in widget.children if child not in left]}

@@ -10,20 +10,17 @@ from math import floor, nan
 from pathlib import Path
 from typing import Any
 
-import ipywidgets
-
 from ..notebook.cells import close_all
 from ..player_widget import PlayerWidget
 from ..runtime.text import as_date, many
+from ..screen_widget import ScreenWidget
 from ..widget.timed_frame import FRAME_HEADER, TimedFrame
 from .html import Heading, Page, check_texts
-from .models import Models, shown
+from .models import Models
 from .segments import segment
 
 _SECONDS = 10.0
 """Length of a segment."""
-
-_WIDTH = "760px"
 
 
 def write(widget: Any, path: Path, title: str, note: str) -> Path:
@@ -46,16 +43,14 @@ def write(widget: Any, path: Path, title: str, note: str) -> Path:
             _start=began,
         )  # fmt: skip
         stack.callback(close_all, bar)
-        root = ipywidgets.VBox([bar, widget] if moves else [widget], layout={"max_width": _WIDTH})
-        root.add_class("rw-recording")
-        root.add_class("rw-one-screen")
+        root = ScreenWidget("recording single", {"bar": [bar] if moves else [], "foot": [widget]})
         stack.callback(root.close)
-        stack.callback(root.layout.close)
         models.add(widget, {**still, "_frame": b"", "_about": {}} if moves else still)
         if moves:
             models.add(bar, {})
+        models.add(root, {})
         state = models.part(
-            shown(root), player=bar.model_id if moves else "", scanogram=None, begin=0.0, name=path.stem
+            root.model_id, player=bar.model_id if moves else "", scanogram=None, begin=0.0, name=path.stem
         )
     until = as_date(round((began + end - start) * 1e9))
     facts = f"{end - start:.1f} s until {until} · {many(len(frames), 'sample')}" if moves else until

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from html import escape
 from typing import Any, Protocol
-
-import ipywidgets
 
 from ..behaviors.machine import Machine
 from ..events_widget import EventsWidget
@@ -29,7 +26,8 @@ from ..notebook.cells import take_the_place
 from ..program_widget import ProgramWidget
 from ..runtime.clock import Threads
 from ..runtime.coalesced_call import CoalescedCall
-from ..screens.layout import OneScreen, stacked
+from ..screen_widget import ScreenWidget
+from ..screens.layout import ScreenPlaces, on_one_screen
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
 from ..topics_widget import TopicNow, TopicRow, TopicsWidget
@@ -55,7 +53,7 @@ class ViewedFeed(Protocol):
         """Return a widget that shows the room of a simulated robot, or None for any other robot."""
 
 
-class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class FeedView(ScreenWidget):
     """The widgets of a feed: of each topic, its program and its state machine. They are added when these appear.
 
     They share the height of the window. The bar with Stop stays in view, and freezes all of them. A simulated robot is
@@ -98,8 +96,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.refresh = CoalescedCall(
             self._refresh, thread="robowidgets-changes", scheduler=Threads(self._connection.clock)
         )
-        self._status = ipywidgets.HTML()
-        self._screen = OneScreen()
+        self._screen: ScreenPlaces = {}
         self.topic_list = TopicsWidget(self._on_toggle, on_look=self._on_look, clock=self._connection.clock)
         self.topic_list.observe(self._on_wires, "wires")
         self._stop = StopWidget(feed)
@@ -108,14 +105,11 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.lines: LinesWidget | None = None
         self.room = None if self._names else feed.room_view()
         self.wires: WiresWidget | None = None
-        super().__init__([self._stop, self._status, self.topic_list, self._screen])
+        super().__init__("feed", self._everything)
         self._stop.stand_in(self.model_id)
         self._bar = StopWidget(feed) if beside else None
         if self._bar is not None:
             self._bar.stand_in(self.model_id, opens=True)
-        self.add_class("rw-feed")
-        self.add_class("rw-one-screen")
-        self.add_class("rw-has-topics")
         for view in take_the_place(self):
             if isinstance(view, FeedView):
                 self.on_show.keep(view.on_show)
@@ -123,10 +117,6 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self.refresh.here()
         self._connection.observe(self.refresh)
         self.refresh()  # for changes in the meantime
-
-    def _display_(self) -> Any:
-        more = (self.room, self.program, self.machine, self.lines)
-        return stacked([self._stop, *self._shown.values(), *(widget for widget in more if widget is not None)])
 
     def __repr__(self) -> str:
         shown = dict.fromkeys(choice.titles[0] for choice in self._shown)
@@ -153,7 +143,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         self._closed = True
         self.refresh()
         more = (self.program, self.machine, self.lines, self.room, self.wires)
-        for widget in (self._bar, self._stop, *more, self.topic_list, self._screen):
+        for widget in (self._bar, self._stop, *more, self.topic_list):
             if widget is not None:
                 widget.close()
         super().close()
@@ -220,14 +210,15 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         if change["new"]:
             self.wires = WiresWidget(FeedWires(self._connection))
             self.wires.on_open(self._toggle_messages)
-        self._stack()
+        self.place(self._everything)
         if before is not None:
             before.close()
 
-    def _stack(self) -> None:
-        """Put the widgets below each other that do not share the height of the window."""
-        below = [widget for widget in (self.lines, self.wires) if widget is not None]
-        self.children = [self._stop, self._status, self.topic_list, self._screen, *below]
+    @property
+    def _everything(self) -> ScreenPlaces:
+        """The places of all widgets."""
+        foot = [widget for widget in (self.lines, self.wires) if widget is not None]
+        return {"bar": [self._stop], "topics": [self.topic_list], **self._screen, "foot": foot}
 
     def _toggle_messages(self, topic: str) -> None:
         """Show or remove the messages of a topic field by field, for the user."""
@@ -254,7 +245,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             return False
         if self.program is None:
             self.program, self.lines = ProgramWidget(feed), LinesWidget(feed, folded=True)
-            self._stack()
+            self.place(self._everything)
         if self.machine is None and isinstance(program.version.function, Machine):
             self.machine = MachineWidget(feed)
         return (self.program, self.machine) != shown
@@ -303,12 +294,13 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
         # A state machine takes the place of the map.
         main, wide = (main, [*maps, *wide]) if self.machine in main else ([*maps, *main], wide)
         added = [widget for widget in sensors if widget in self._added and widget not in main]
-        self._screen.arrange(
+        self._screen = on_one_screen(
             main,
             [widget for widget in wide if widget not in added],
             [widget for widget in small if widget not in added],
             added,
         )
+        self.place(self._everything)
         self.topic_list.show(self._shown)
 
     @property
@@ -356,10 +348,7 @@ class FeedView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no type
             lines = [f"connected to {self._connection.where}, which has no topics yet"]
         else:
             lines = [f"connected to {self._connection.where}, waiting for its topics; connect() accepts any name"]
-        text = "<br>".join(escape(line) for line in lines)
-        if text != self._status.value:
-            self._status.value = text
-        self._status.layout.display = None if lines else "none"
+        self.note(lines)
 
 
 def _on_page(widgets: Sequence[Any]) -> list[Any]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..export.html import Heading, Page, PageAssets, check_texts
-from ..export.models import Models, shown
+from ..export.models import Models
 from ..notebook.cells import close_all
 from ..notebook.progress import Progress, without_bars
 from ..recording import open as open_recording
@@ -67,7 +67,7 @@ def write(
     models = Models()
     models.add(widget, {"_pictures": b"".join(packed), "picked": None, "_opened": None, "_status": ""})
     state = models.part(
-        shown(widget), player="", scanogram=None, begin=0.0, name=target.stem, sheet=widget.model_id, moments=places
+        widget.model_id, player="", scanogram=None, begin=0.0, name=target.stem, sheet=widget.model_id, moments=places
     )
     facts = f"{many(len(hits), 'moment')} in {many(len(by_file), 'file')}, each with {around:g} s around it"
     lines = [f"{hit.file}  {hit.start:.3f} to {hit.end:.3f} s" for hit in hits[:_LINES]]

@@ -4,6 +4,7 @@ import laser from "./laser_widget.ts";
 import path from "./path_widget.ts";
 import player from "./player_widget.ts";
 import scanogram from "./scanogram_widget.ts";
+import screen from "./screen_widget.ts";
 import speed from "./speed_widget.ts";
 import touch from "./touch_widget.ts";
 
@@ -13,6 +14,7 @@ const WIDGETS = {
   path_widget: path,
   player_widget: player,
   scanogram_widget: scanogram,
+  screen_widget: screen,
   speed_widget: speed,
   touch_widget: touch,
 };

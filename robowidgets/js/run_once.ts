@@ -11,6 +11,7 @@ interface Given {
     widget_manager?: { get_state?: unknown };
   };
   el: HTMLElement;
+  signal: AbortSignal;
 }
 
 interface Widget {
@@ -76,9 +77,11 @@ async function hearAlsoIfLate(model: JupyterModel): Promise<void> {
 
 export default () => {
   let widget: Widget;
+  let closed: AbortSignal;
   return {
     async initialize(given: Given) {
       const { model } = given;
+      closed = given.signal;
       const script = copyOf(model.get("_script"));
       const sheet = copyOf(model.get("_style"));
       if (model.widget_manager?.get_state) {
@@ -107,7 +110,8 @@ export default () => {
         });
         observer.observe(el);
       }
-      return widget.render(given);
+      // A view within another widget does not end by itself if its model is closed.
+      return widget.render({ ...given, signal: AbortSignal.any([given.signal, closed]) });
     },
   };
 };

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
-from ipywidgets import Widget
-
 from ..kinds.choice import WidgetChoice
 from ..player_widget import PlayerWidget
 from ..poses.places import Places
@@ -14,7 +12,7 @@ from ..recordings import RecordingData
 from ..scanogram_widget import ScanogramWidget
 from ..tracks import Track
 from ..widget.sample_widget import SampleWidget
-from .layout import OneScreen
+from .layout import ScreenPlaces
 
 
 class PlayerView(NamedTuple):
@@ -55,24 +53,19 @@ class LeadingPlayer(Protocol):
 class PagedPlayer(Protocol):
     """A player from which a page in a file is made."""
 
+    model_id: str
     recording: RecordingData
     views: Sequence[PlayerView]
     bar: PlayerWidget
     scanogram: ScanogramWidget | None
     rerun: Any
-    _dom_classes: Sequence[str]
-    """The CSS classes, under the name that ipywidgets uses."""
 
     @property
     def duration(self) -> float:
         """Seconds of the recording."""
 
-    @property
-    def left_out(self) -> tuple[Any, ...]:
-        """The widgets that the page replaces or cannot contain."""
-
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Return its widgets, each with a track that reads the given recording."""
 
-    def arranged(self, scanogram: ScanogramWidget | None, screen: OneScreen) -> Sequence[Widget]:
-        """Return all widgets from top to bottom, with the given scanogram in the given screen."""
+    def arranged(self, scanogram: ScanogramWidget | None) -> ScreenPlaces:
+        """Return the places of all widgets, with the given scanogram among them."""

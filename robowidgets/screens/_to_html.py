@@ -10,10 +10,8 @@ from itertools import islice
 from math import floor
 from typing import Any
 
-import ipywidgets
-
 from ..export.html import Heading, Page
-from ..export.models import Models, shown
+from ..export.models import Models
 from ..export.segments import segment
 from ..laser.row import LASER
 from ..message.frames import OF_TOPIC
@@ -24,11 +22,11 @@ from ..repair import RecordingError
 from ..runtime.text import as_date
 from ..scanogram.overview import is_planar, whole_drive
 from ..scanogram_widget import ScanogramWidget
+from ..screen_widget import rooms_of
 from ..speed_widget import SpeedWidget
 from ..tracks import Track
 from ..widget.timed_frame import FRAME_HEADER, TimedFrame
 from ._parts import PagedPlayer, followers
-from .layout import OneScreen
 
 SEGMENT_BYTES = 400_000
 """The approximate size of the frames in a segment of a page, small enough to be unpacked between two pictures."""
@@ -92,15 +90,11 @@ def page_of(player: PagedPlayer, wanted: Wanted, scanogram: bool | None = None) 
         seconds = wanted.segment or _segment_seconds(tracks, start, end)
         time = player.bar.time if wanted.time is None else wanted.time
         models = _models(player, recording, picture, (start, end), seconds, time)
-        root = ipywidgets.VBox(player.arranged(picture, OneScreen()))
-        stack.callback(_close_boxes, root, player.left_out)
-        for name in player._dom_classes:
-            root.add_class(name)
         yield Page(
             _heading(player, recording, wanted, (start, end)),
             models.assets(),
             models.part(
-                shown(root, leave_out=player.left_out),
+                player.model_id,
                 player=player.bar.model_id,
                 scanogram=_drawn_here(player, picture),
                 begin=start,
@@ -205,6 +199,9 @@ def _models(
     )
     if picture:
         models.add(picture, {**shown_at, "_frame": picture.frame_without_scans()})
+    # A page has no list of topics. Its heading shows the problems.
+    places = {name: widgets for name, widgets in player.arranged(picture).items() if name != "topics"}
+    models.add(player, {"_children": rooms_of(places), "_notes": []})
     return models
 
 
@@ -287,12 +284,3 @@ def _line(seconds: float, topic: str, sample: Any) -> str:
     ranges = getattr(sample, "ranges", ())
     some = ", ".join(f"{distance:.3f}" for distance in ranges[:_NUMBERS])
     return f"{seconds:.3f} s  {topic}  {sample!r}" + (f"  ranges: {some} ..." if some else "")
-
-
-def _close_boxes(box: ipywidgets.Box, left_out: Sequence[Any]) -> None:
-    """Close boxes, but not the widgets in them. Widgets that the page leaves out may be boxes, too."""
-    for child in box.children:
-        if hasattr(child, "children") and child not in left_out:
-            _close_boxes(child, left_out)
-    box.layout.close()
-    box.close()

@@ -8,7 +8,6 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from html import escape
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -48,6 +47,7 @@ from ..runtime.output_file import checked_output
 from ..samples.state_span import rows_of
 from ..scanogram.overview import is_planar, whole_drive
 from ..scanogram_widget import ScanogramWidget
+from ..screen_widget import ScreenWidget
 from ..speed_widget import SpeedWidget
 from ..topics_widget import TopicRow, TopicsWidget
 from ..touch.marks import touch_marks
@@ -63,7 +63,7 @@ from ._leader import Leader
 from ._parts import LeadingPlayer, PlayerView, followers
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._to_html import LONGEST_SEGMENT, Wanted, page_of
-from .layout import WIDE, OneScreen, columns
+from .layout import ScreenPlaces, in_columns, on_one_screen
 
 LONGEST_LOOK = 0.1
 """The maximum time in seconds for reading values for the list of topics whenever the shown time changes."""
@@ -71,6 +71,7 @@ LONGEST_LOOK = 0.1
 _EARLY = 0.1
 _TINY = 1e-7
 
+_WIDE = {"flex_flow": "row wrap", "align_items": "flex-start", "width": "100%"}
 _BESIDE = {"min_width": "min(100% - 8px, 300px)", "margin": "0 4px"}
 HELD_BYTES, HELD_SEGMENTS = 200_000, 30
 """The approximate bytes, and the maximum number of segments, in the state of a player, which a saved notebook contains.
@@ -80,7 +81,7 @@ _VIEWER = "660px"
 """The minimum width: in less, Rerun hides its time."""
 
 
-class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Player(ScreenWidget):
     """Widgets for the topics of a recording, which all show the same time; `Recording.show` returns it.
 
     Each widget shows the last sample at that time or before it. A commanded speed is a tick on the bars of the measured
@@ -108,20 +109,12 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     selection = TimeSpan(help="The span that loops: (start, end) in seconds from the start, or None. Settable.")
     marks = Marks(help="Marks on slider and scanogram: (start, end, text), in seconds. Touches, errors; settable.")
 
+    rerun: RerunWidget | None = None
     _prefetcher: Prefetcher | None = None
     _leader: Leader | None = None
     scanogram: ScanogramWidget | None = None
     topic_list: TopicsWidget | None = None
     wires: WiresWidget | None = None
-    _screen: OneScreen | None = None
-
-    def _display_(self) -> Any:
-        from marimo import md  # only marimo calls this: it cannot show a box of ipywidgets
-
-        return md(
-            "marimo cannot show a player of several widgets. Show the recording as a page that plays:\n"
-            '```python\nmo.iframe(recording.to_html("drive.html").read_text(), height="620px")\n```'
-        )
 
     def __init__(
         self,
@@ -143,7 +136,6 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             if isinstance(player, Player) and player.recording.path == recording.path:
                 self.on_show.keep(player.on_show)
         self._seeking = threading.RLock()
-        self._problems = ipywidgets.HTML()
         shown = self._choose()
         self._set_views(shown)
         moves = recording.duration and self.views
@@ -153,16 +145,11 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         self._show_used_axes(self.views)
         self.bar = self._make_bar(note)
         if moves and not rerun:
-            self._screen = OneScreen()
             self.topic_list = TopicsWidget(self._on_toggle, self._values_of)
             self.topic_list.set_rows(_rows(recording))
             self.topic_list.observe(self._on_wires, "wires")
-        super().__init__()
-        self._arrange()
-        self.add_class("rw-recording")  # the bar handles the keys of this element
-        self.add_class("rw-one-screen")
-        if self.topic_list:
-            self.add_class("rw-has-topics")
+        super().__init__("recording", self.arranged(self.scanogram))
+        self._list_shown()
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
             self.observe(self._to_bar, name)
@@ -177,10 +164,19 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             traitlets.link((self.bar, "marks"), (self.scanogram, "marks"))
         if self.rerun:
             traitlets.link((self, "time"), (self.rerun, "time"))
+            # Rerun's viewer is no anywidget, so it cannot be on the screen itself.
+            self.layout = {**_BESIDE, "flex": "2 1 380px"}
+            self._beside = ipywidgets.Box([self.rerun, self], layout=_WIDE)
         self._on_time(None)
         for player in earlier:
             if isinstance(player, Player) and self.topic_list is not None and player.topic_list is not None:
                 self.topic_list.keep(player.topic_list)
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        """Return the output of a cell: the player, with the Rerun viewer at its left if it has one."""
+        if self.rerun is None:
+            return super()._repr_mimebundle_(**kwargs)
+        return self._beside._repr_mimebundle_(**kwargs)
 
     def __repr__(self) -> str:
         shown = ", ".join(dict.fromkeys(title for view in self.views for title in view.choice.titles))
@@ -287,11 +283,13 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             self.follow(None)
             self._prefetcher.close()
             close_all(self.bar)
-        for widget in (self.scanogram, *self.children, *(view.widget for view in self.views)):
+        views = [view.widget for view in self.views]
+        for widget in (self.scanogram, *self.children, *views, self.rerun):
             if widget is not None:
                 close_all(widget)
-        if self.comm is not None:
-            self.layout.close()
+        if self.rerun:
+            self._beside.layout.close()
+            self._beside.close()
         super().close()
         self.recording.close()
 
@@ -342,11 +340,6 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
             if size >= HELD_BYTES:
                 return
 
-    @property
-    def left_out(self) -> tuple[Any, ...]:
-        """The widgets that a page in a file replaces or cannot contain."""
-        return tuple(widget for widget in (self._problems, self.rerun, self.topic_list) if widget is not None)
-
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Return its widgets, each with a track that reads the given recording, in one thread at a time."""
         return [(view.widget, track_of(recording, view.choice, view.widget)) for view in self.views]
@@ -362,31 +355,27 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     def _complain(self, problem: str) -> None:
         self.bar.complain(problem)
 
-    def arranged(self, scanogram: ScanogramWidget | None, screen: OneScreen) -> Sequence[ipywidgets.Widget]:
-        """Return all widgets from top to bottom, with the given scanogram in the given screen."""
-        moves = self.recording.duration and self.views
+    def arranged(self, scanogram: ScanogramWidget | None) -> ScreenPlaces:
+        """Return the places of all widgets, with the given scanogram among them."""
         widgets = [view.widget for view in self.views]
-        if self.topic_list is not None:
-            added = [view.widget for view in self.views if view.choice.takes_messages]
-            others = [widget for widget in widgets if widget not in added]
-            wide = [widget for widget in others if widget.column == "wide"]
-            if not wide and not scanogram:  # nothing else needs the space
-                wide = [widget for widget in widgets if widget.column == "map"]
-            small, added = ([widget for widget in some if widget not in wide] for some in (others, added))
-            # A picture that the user names first gets the first place.
-            named = next(iter(self._entries()), "")
-            first = next((view.widget for view in self.views if view.choice.topic == named), None)
-            if first in added and first.column == "wide":
-                wide = [first, *wide]
-            small, added = ([widget for widget in some if widget not in wide] for some in (small, added))
-            screen.arrange([scanogram] if scanogram else [], wide, small, added)
-            return [self._problems, self.bar, self.topic_list, screen]
-        above = [self._problems, *([self.bar, *([scanogram] if scanogram else [])] if moves else [])]
-        shown = ipywidgets.Box(columns(widgets), layout=WIDE)
-        if not self.rerun:
-            return [*above, shown]
-        beside = ipywidgets.Box([shown], layout={**_BESIDE, "flex": "2 1 380px"})
-        return [*above, ipywidgets.Box([self.rerun, beside], layout=WIDE)]
+        moves = self.recording.duration and widgets
+        bar = [self.bar] if moves else []
+        if self.topic_list is None:
+            return {"bar": [*bar, *([scanogram] if scanogram else [])], **in_columns(widgets)}
+        added = [view.widget for view in self.views if view.choice.takes_messages]
+        others = [widget for widget in widgets if widget not in added]
+        wide = [widget for widget in others if widget.column == "wide"]
+        if not wide and not scanogram:  # nothing else needs the space
+            wide = [widget for widget in widgets if widget.column == "map"]
+        small, added = ([widget for widget in some if widget not in wide] for some in (others, added))
+        # A picture that the user names first gets the first place.
+        named = next(iter(self._entries()), "")
+        first = next((view.widget for view in self.views if view.choice.topic == named), None)
+        if first in added and first.column == "wide":
+            wide = [first, *wide]
+        small, added = ([widget for widget in some if widget not in wide] for some in (small, added))
+        places = on_one_screen([scanogram] if scanogram else [], wide, small, added)
+        return {"bar": [self.bar], "topics": [self.topic_list], **places}
 
     @property
     def arrangement(self) -> Sequence[Any]:
@@ -507,8 +496,12 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _arrange(self) -> None:
         """Put all shown widgets into their places."""
-        below = [self.wires] if self.wires is not None else []
-        self.children = [*self.arranged(self.scanogram, self._screen or OneScreen()), *below]
+        foot = [self.wires] if self.wires is not None else []
+        self.place({**self.arranged(self.scanogram), "foot": foot})
+        self._list_shown()
+
+    def _list_shown(self) -> None:
+        """Mark the shown topics in the list."""
         if self.topic_list is not None:
             self.topic_list.show(view.choice for view in self.views)
 
@@ -601,9 +594,7 @@ class Player(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
         """Show the problems of the recording. Some are found only when it is read."""
         # If widgets are shown nevertheless, a recording without known sensors is not a problem for the user.
         there = [line for line in self.recording.problems if line != NO_SENSOR or not self.views]
-        lines = [f"⚠ {escape(line)}" for line in there]
-        self._problems.value = "<br>".join(lines)
-        self._problems.layout.display = None if lines else "none"
+        self.note([f"⚠ {line}" for line in there])
 
 
 def _select(scanogram: ScanogramWidget, change: Any) -> None:

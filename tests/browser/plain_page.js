@@ -173,6 +173,20 @@ function watchLayout(element, layout) {
   }
 }
 
+/** The part of anywidget's host that a widget needs that holds others. */
+const anywidgetHost = {
+  async getWidget(reference) {
+    const model = models.get(reference.replace("anywidget:", ""));
+    return { render: ({ el, signal }) => renderInto(model, el, signal) };
+  },
+};
+
+async function renderInto(model, element, signal) {
+  const widget = await model.widget;
+  await widget.render({ model, el: element, host: anywidgetHost, signal });
+  for (const card of element.children) card.dataset.sheet = model.get("_anywidget_id");
+}
+
 const modelOf = (reference) => models.get(reference.replace("IPY_MODEL_", ""));
 
 /** Shows what a box holds. As in ipywidgets, from the first child on that is another one all views are new. */
@@ -215,13 +229,11 @@ async function view(model, ended) {
     await holdChildren(element, model, ended);
   }
   if (!model.get("_esm")) return element;
-  const widget = await model.widget;
   try {
-    await widget.render({ model, el: element, signal: ended.signal });
+    await renderInto(model, element, ended.signal);
   } catch (error) {
     console.error("anywidget:", error);
   }
-  for (const card of element.children) card.dataset.sheet = model.get("_anywidget_id");
   return element;
 }
 

@@ -14,10 +14,10 @@ from .plain_page import PlainPage
 GREEN = (18, 133, 74)
 VIEW = f"""
 {SETUP}
-from robowidgets import Footprint, SpeedWidget, TouchWidget, together
+from robowidgets import Footprint, SpeedWidget, TouchWidget, screen
 laser.update(**fan(angle_min=-3.0, angle_increment=1 / 3))  # all round: its picture has room behind the robot
 speed, touch = SpeedWidget(title="/odom"), TouchWidget(title="/bumper")
-together(laser, speed, touch)
+screen(laser, speed, touch)
 display(laser, speed, touch)
 """
 BODY = 'Footprint(radius=0.5, bumpers={"left": ("15deg", "80deg"), "right": ("-80deg", "-15deg")})'

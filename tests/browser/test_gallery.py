@@ -97,7 +97,7 @@ def test_picture_of_a_cloud(plain_page: Callable[..., PlainPage], theme: Literal
 CAMERA = """
 import numpy as np
 from ipywidgets import HBox
-from robowidgets import ImageWidget, LaserWidget, together
+from robowidgets import ImageWidget, LaserWidget, screen
 from robowidgets.simulator import Robot, World
 
 rows, columns = np.mgrid[:480, :640]
@@ -110,7 +110,7 @@ depth.update(metres)
 near = Robot(World.rooms(), (0.3, -1.6, 0.15), camera=True, seed=1)
 laser = LaserWidget(title="/scan", view_range=1.5, layout={"width": "50%"})
 eye = ImageWidget(title="/camera/image_raw", camera_pose=(0, 0, 0.1, 0, 0, 0), layout={"width": "50%"})
-together(eye, laser)
+screen(eye, laser)
 both = HBox([eye, laser])
 eye.calibrate(near.camera.info)
 eye.take_scan(near.scan())
@@ -360,11 +360,11 @@ def test_pictures_of_conditions(plain_page: Callable[..., PlainPage], theme: Lit
 
 TRAIL = """
 import robowidgets
-from robowidgets import LaserWidget, PathWidget, together
+from robowidgets import LaserWidget, PathWidget, screen
 from robowidgets.widget.pacer import pacer
 
 laser, path = LaserWidget(title="/scan", view_range=5, trail=60), PathWidget(title="/odom")
-view = together(laser, path)
+view = screen(laser, path)
 laser
 """
 DRIVE = """

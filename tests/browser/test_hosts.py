@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -16,7 +17,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from ..unit.waiting import wait_for
-from .chromium import PICTURES, SCREENSHOTS
+from .chromium import PICTURES, SCREENSHOTS, shoot
 from .notebook import notebook_of
 
 CELLS = (
@@ -51,7 +52,7 @@ def _(recording, robowidgets):
     near, speed = robowidgets.LaserWidget(title="/near"), robowidgets.SpeedWidget(title="/speed")
     near.update(recording.at("/scan", 24.1))
     speed.update(linear=(0.1, 0, 0), angular=(0, 0, 0))
-    robowidgets.together(near, speed)
+    robowidgets.screen(near, speed)
     return
 
 
@@ -64,7 +65,8 @@ def _(robowidgets):
 
 @app.cell
 def _(robowidgets):
-    robowidgets.open(robowidgets.SAMPLE).show()
+    player = robowidgets.open(robowidgets.SAMPLE).show()
+    player
     return
 
 
@@ -119,21 +121,29 @@ def shows(page: Page) -> None:
 
 
 def shows_views(page: Page) -> None:
-    """Check views of several widgets with pointer and keys, and the note about topics that are not shown."""
-    cards = {name: page.locator(".rw-card", has_text=name) for name in ("/near", "/speed")}
+    """Check screens with pointer and keys: of two widgets, of a robot, and of a recording, which plays."""
+    cards = {name: page.locator(".rw-columns .rw-card", has_text=name) for name in ("/near", "/speed")}
     cards["/near"].locator(".rw-freeze").click()
     for card in cards.values():
         expect(card.locator(".rw-freeze")).to_contain_text("Frozen")
-    live = page.locator(".rw-laser", has_text="Hz")
-    expect(live).to_be_visible()
-    expect(live.locator(".rw-freeze")).not_to_contain_text("Frozen")
+    feed = page.locator(".rw-feed")
+    expect(feed.locator(".rw-laser", has_text="Hz")).to_be_visible()
+    expect(feed.locator(".rw-freeze-all")).to_have_text("Freeze")
     page.locator(".rw-stop").dispatch_event("pointerdown", {"button": 0})
     expect(page.locator(".rw-stop")).to_have_text("Stopped")
-    expect(page.get_by_text("marimo cannot show a player of several widgets")).to_be_visible()
-    expect(page.get_by_text("recording.to_html")).to_be_visible()
+    player = page.locator(".rw-recording").last
+    now, nearest = player.locator(".rw-play-now"), player.locator(".rw-laser .rw-nearest")
+    player.locator(".rw-player input").press("Home")
+    expect(now).to_have_text("0.00")
+    first = nearest.inner_text()
+    player.locator(".rw-play").click()
+    expect(nearest).not_to_have_text(first)
+    expect(player.locator(".rw-play")).to_have_attribute("aria-label", re.compile("Stop|Pause"))
+    player.locator(".rw-player input").press("End")
+    expect(now).to_have_text("58.00")
 
 
-def test_marimo_shows_widgets_and_views_and_a_recording_as_a_page_and_is_dark_with_them(
+def test_marimo_shows_widgets_and_screens_and_a_recording_as_a_page_and_is_dark_with_them(
     browser: Browser, tmp_path: Path
 ) -> None:
     pytest.importorskip("marimo")
@@ -150,6 +160,9 @@ def test_marimo_shows_widgets_and_views_and_a_recording_as_a_page_and_is_dark_wi
             expect(page.locator(".rw-laser").first).to_have_attribute("data-rw-theme", theme, timeout=60_000)
             if PICTURES:
                 page.screenshot(path=SCREENSHOTS / f"marimo-{theme}.png", full_page=True)
+                for kind in ("feed", "recording"):
+                    expect(page.locator(f".rw-{kind} .rw-tile").first).to_be_visible()
+                    shoot(page.locator(f".rw-{kind}").last, f"marimo-{kind}-{theme}")
             if theme == "light":
                 shows(page)
                 player = page.frame_locator("iframe").locator(".rw-player")

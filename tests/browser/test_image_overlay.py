@@ -16,7 +16,7 @@ from .plain_page import PlainPage
 
 SEEN = """
 from dataclasses import replace
-from robowidgets import ImageWidget, LaserWidget, Line, together
+from robowidgets import ImageWidget, LaserWidget, Line, screen
 from robowidgets.simulator import Robot, World
 robot = Robot(World.rooms(), (0.3, -1.6, 0.15), camera=True, seed=1)
 info = robot.camera.info
@@ -26,7 +26,7 @@ laser = LaserWidget(title="/scan", view_range=4)
 image = ImageWidget(title="/camera/image", camera_pose=(0, 0, 0.1, 0, 0, 0))
 laser.sectors["front"] = ("-10deg", "10deg")
 laser.draw("goal", Line((1.0, -0.2), (1.0, 0.2)))
-view = together(laser, image)
+view = screen(laser, image)
 image.calibrate(info)
 image.take_scan(scan)
 laser.update(scan)

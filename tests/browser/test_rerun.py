@@ -49,12 +49,12 @@ def test_viewer_and_widgets_stand_side_by_side_and_follow_each_other(notebook: C
     canvas.wait_for()
     wait_for(lambda: nb.python("print(player.rerun._agrees)").strip() == "True", "it was loaded")
     assert nb.python("print(player.time)").strip() == "12.5", "what is loaded does not move the time"
-    world, laser = canvas.bounding_box(), nb.output(0).locator(".rw-laser").bounding_box()
+    world, screen = canvas.bounding_box(), nb.output(0).locator(".rw-recording").bounding_box()
     assert world
-    assert laser
-    assert world["x"] + world["width"] <= laser["x"], "the world is on the left"
-    assert abs(world["y"] - laser["y"]) < 50, "next to each other"
-    assert min(world["width"], laser["width"]) > 350
+    assert screen
+    assert world["x"] + world["width"] <= screen["x"], "the world is on the left"
+    assert abs(world["y"] - screen["y"]) < 50, "next to each other"
+    assert min(world["width"], screen["width"]) > 350
 
     nb.python("told.clear(); player.time = 40.75")
     viewer_follows(nb)

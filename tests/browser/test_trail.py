@@ -12,7 +12,7 @@ from .plain_page import PlainPage
 
 VIEW = f"""
 {SETUP}
-from robowidgets import PathWidget, spread, together
+from robowidgets import PathWidget, spread, screen
 from robowidgets.widget.pacer import pacer
 path = PathWidget(title="/odom")
 laser.arc_count = laser.ray_count = 0
@@ -58,7 +58,7 @@ def test_earlier_scans_fade_behind_the_one_on_show(plain_page: Callable[..., Pla
         card.locator(".rw-picture").press(" ")
         eventually(shown, ["", "older", "newer", "reading"])
     # What was 1.4 m ahead, 0.2 m before, is 1.2 m ahead now. The scan before that had no path in its view.
-    nb.python("together(laser, path); show(1.0); laser.trail = 1; show(1.4); show(1.0, x=0.2)")
+    nb.python("screen(laser, path); show(1.0); laser.trail = 1; show(1.4); show(1.0, x=0.2)")
     eventually(shown, ["", "reading", "newer", ""])
     expect(footer).to_contain_text("trail of 1, by odometry")
     # It counts its scans: one, until more are placed; none if the page keeps none.

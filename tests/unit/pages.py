@@ -9,6 +9,8 @@ from typing import Any
 from ipywidgets import Widget
 from ipywidgets.widgets.widget import _put_buffers
 
+from robowidgets.screen_widget import ScreenWidget
+
 
 class Page:
     """Stands in for a widget's comm, and keeps the messages and the resulting state."""
@@ -44,3 +46,12 @@ class Page:
 
     def close(self) -> None:
         pass
+
+
+def widgets_by_place(screen: ScreenWidget) -> dict[str, list[str]]:
+    """Return the classes of the widgets on a screen, by place, as the page gets them."""
+    classes = {f"anywidget:{widget.model_id}": type(widget).__name__ for widget in screen.children}
+    found: dict[str, list[str]] = {}
+    for room in screen.get_state()["_children"]:
+        found.setdefault(room["place"], []).append(classes[room["widget"]])
+    return found

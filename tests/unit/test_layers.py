@@ -24,7 +24,7 @@ SHARED = (
 
 ROOMS = (
     *("laser", "speed", "touch", "sonar", "image", "cloud", "path", "plots", "message", "events", "wires"),
-    *("scanogram", "lines", "machine", "program", "sheet", "drive", "stop", "topics", "player"),
+    *("scanogram", "lines", "machine", "program", "sheet", "drive", "stop", "topics", "player", "screen"),
 )
 """The rooms of one picture each: its widget, and all that only this picture needs. A room imports one other at most."""
 

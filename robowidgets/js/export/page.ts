@@ -2,17 +2,18 @@ import type { MapAbout } from "../path/traits.ts";
 import { make } from "../shared/dom.ts";
 import { hasTable, toCsv } from "./csv.ts";
 import { Feed, Segments } from "./feed.ts";
+import { FOREVER, makeHost, type Script, toReference } from "./host.ts";
 import { PageModel } from "./model.ts";
 import { explain, findParts, readPart } from "./parts.ts";
 import { ScanogramMaker } from "./scanogram.ts";
-import { build, FOREVER, type Script, type Shown } from "./views.ts";
 
 /** Facts about the page, from Python; robowidgets/export/models.py. */
 export interface PageFacts {
   models: { id: string; widget: string; state: Record<string, unknown> }[];
   /** Model, trait and number of bytes of each binary trait, which follow one after the other. */
   buffers: [string, string, number][];
-  shown: Shown;
+  /** The model that is shown. */
+  root: string;
   /** Model of the player, or "" without one. */
   player: string;
   /** Model and track of the scanogram that is drawn here from scans. */
@@ -68,7 +69,9 @@ async function show(
   player?.set("_unpacking", Math.round((packed * 3) / 4));
   // All models exist before the first is initialised: a player moves the others.
   for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal });
-  place.append(build(facts.shown, models, scripts, signal));
+  const item = make("div", "rw-page-item");
+  place.append(item);
+  (await makeHost(models, scripts).getWidget(toReference(facts.root))).render({ el: item, signal });
   if (player) play(facts, models, player, parts).catch((error) => explain(`This page cannot be played: ${error}`));
   return { facts, models };
 }

@@ -6,7 +6,7 @@ import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Span } from "../shared/time_axis.ts";
 import type { Pointing } from "../shared/traits.ts";
 import { followLeader } from "./leader.ts";
-import type { Follower, Host, Moved, Target } from "./moved.ts";
+import { type Follower, give, type Host, type Moved, type Target } from "./moved.ts";
 import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Shown, type Track } from "./segments.ts";
 import { Targets } from "./targets.ts";
@@ -346,7 +346,7 @@ export class Playback {
     const onPicked = () => {
       const time = target.get("_picked");
       // Reset, so that the same place can be picked again.
-      target.set_state({ _picked: null });
+      give(target, { _picked: null });
       if (typeof time === "number") this.seek(time);
     };
     onPicked();
@@ -367,7 +367,7 @@ export class Playback {
     const [laser] = this.#targets.models;
     if (ray === this.#ray && (ray === null || laser?.get("hovered") === ray)) return;
     this.#ray = ray;
-    laser?.set_state({ hovered: ray });
+    if (laser) give(laser, { hovered: ray });
   }
 
   /** Follows the time and the selection that the user sets on another widget. */
@@ -384,7 +384,7 @@ export class Playback {
     const onPoint = () => this.preview(follower.get("_pointed") ?? null);
     const onRay = () => {
       const hovered = laser?.get("hovered") ?? null;
-      follower.set_state({ _ray: hovered === this.#ray ? null : hovered });
+      give(follower, { _ray: hovered === this.#ray ? null : hovered });
     };
     const onSelection = () => {
       const selection = follower.get("selection");
@@ -400,7 +400,7 @@ export class Playback {
   /** Sets the time of a widget; nothing is sent to the kernel. */
   #give(follower: Follower): void {
     this.#isGiving = true;
-    follower.set_state({ time: this.#time });
+    give(follower, { time: this.#time });
     this.#isGiving = false;
   }
 

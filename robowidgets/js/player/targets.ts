@@ -1,6 +1,6 @@
 import { toBytes } from "../shared/bytes.ts";
 import type { About } from "../shared/traits.ts";
-import type { Host, Target } from "./moved.ts";
+import { give, type Host, type Target } from "./moved.ts";
 import type { Segments, Shown } from "./segments.ts";
 
 /** Samples that are given at most. */
@@ -43,7 +43,7 @@ export class Targets {
       // The verdicts in a history belong to its frames, which have new numbers.
       if (about.judged !== undefined) about.judged = frame.bytes.getFloat64(0, true);
       this.#abouts[i] = about;
-      target.set_state(state);
+      give(target, state);
     }
     this.#isWaiting = false;
   }
@@ -53,7 +53,7 @@ export class Targets {
     if (this.#isWaiting) return;
     this.#isWaiting = true;
     for (const [i, target] of this.models.entries()) {
-      if (this.#abouts[i]) target.set_state({ _about: { ...target.get("_about"), waits: true } });
+      if (this.#abouts[i]) give(target, { _about: { ...target.get("_about"), waits: true } });
     }
   }
 
@@ -77,7 +77,7 @@ export class Targets {
       const found = segments.upTo(i, (target.get("paused") ? frozenAt : null) ?? time, count + 1);
       const isSame = found.length === before?.length && found.every(({ frame }, j) => frame.bytes === before[j]?.bytes);
       if (isSame) continue;
-      target.set_state({
+      give(target, {
         _recent: found.map(({ track, frame }) => ({
           ...frame,
           at: 1000 * frame.time,

@@ -35,6 +35,17 @@ export interface Rendered<T> extends Initialized<T> {
   el: HTMLElement;
 }
 
+/** The page around a widget, as anywidget 0.11 hands it to a view. A reference is `anywidget:` and the id of a model. */
+export interface Host {
+  getWidget(reference: string): Promise<{ render(given: { el: HTMLElement; signal: AbortSignal }): unknown }>;
+}
+
+/** The arguments of the script of a widget that holds others. */
+export interface Hosted<T> extends Rendered<T> {
+  /** Missing before anywidget 0.11. */
+  host?: Host;
+}
+
 /**
  * A name that no other view of any page has. `crypto.randomUUID` is missing in a page that is served over plain http.
  */

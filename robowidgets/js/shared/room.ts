@@ -27,13 +27,22 @@ export function enter(room: Room, card: HTMLElement, signal: AbortSignal): void 
   onConnected(
     room,
     () => {
-      const boxes: HTMLElement[] = [];
-      for (let box = room.parentElement; box; box = box.parentElement) if (box.matches(BOXES)) boxes.push(box);
-      room.rwBoxes = boxes;
-      for (const box of boxes) updateSoon(box);
+      room.rwBoxes = [];
+      enterBoxes(room);
     },
     signal,
   );
+}
+
+/** Updates the boxes that an element of a card has left, and those around it now; does nothing before it has any. */
+export function enterBoxes(room: Room): void {
+  const before = room.rwBoxes;
+  if (!before) return;
+  const boxes: HTMLElement[] = [];
+  for (let box = room.parentElement; box; box = box.parentElement) if (box.matches(BOXES)) boxes.push(box);
+  if (before.length === boxes.length && boxes.every((box, i) => box === before[i])) return;
+  room.rwBoxes = boxes;
+  for (const box of [...before, ...boxes]) updateSoon(box);
 }
 
 /** Adds a word about a card's contents to its boxes, or removes it. */

@@ -1,6 +1,7 @@
+import { FOREVER, makeHost, type Script, toReference } from "../export/host.ts";
 import { type PageFacts, toModels } from "../export/page.ts";
 import { readPart } from "../export/parts.ts";
-import { build, FOREVER, type Script } from "../export/views.ts";
+import { make } from "../shared/dom.ts";
 
 /**
  * Puts widgets into a page of the documentation, with the state that they had when the page was built;
@@ -16,7 +17,6 @@ const AHEAD = "100%";
 /** The theme's styles do not reach the widgets, nor theirs the page. */
 const BOXES = `
 :host { display: block; }
-.rw-page-box { display: flex; }
 .rw-page-item { box-sizing: border-box; }`;
 
 const texts = new Map<string, Promise<string>>();
@@ -33,7 +33,7 @@ function refuse(url: URL, answer: Response): never {
 
 async function show(place: HTMLElement): Promise<void> {
   const text = await textOf(new URL(place.dataset.rwLive ?? "", document.baseURI));
-  const { facts, bytes } = await readPart<Pick<PageFacts, "models" | "buffers" | "shown">>(text);
+  const { facts, bytes } = await readPart<Pick<PageFacts, "models" | "buffers" | "root">>(text);
   const names = [...new Set(facts.models.map(({ widget }) => widget))];
   const made = new Map<string, Script | (() => Script)>();
   for (const name of names) made.set(name, (await import(new URL(`${name}.js`, WIDGETS).href)).default);
@@ -48,7 +48,9 @@ async function show(place: HTMLElement): Promise<void> {
   const root = place.attachShadow({ mode: "open" });
   const style = document.createElement("style");
   style.textContent = BOXES + css;
-  root.append(style, build(facts.shown, models, scripts));
+  const item = make("div", "rw-page-item");
+  root.append(style, item);
+  (await makeHost(models, scripts).getWidget(toReference(facts.root))).render({ el: item, signal: FOREVER });
 }
 
 /** Passes the reader's choice of the theme's colours on to the widgets. */

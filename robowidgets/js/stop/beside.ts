@@ -30,8 +30,13 @@ interface Pane {
   readonly isDisposed: boolean;
   readonly title: { label: string; closable: boolean };
   addClass(name: string): void;
-  addWidget(widget: Pane): void;
+  readonly disposed: { connect(callback: () => void): unknown };
   dispose(): void;
+}
+
+interface WidgetClass {
+  new (): Pane;
+  attach(widget: Pane, host: HTMLElement): void;
 }
 
 interface PaneNode extends HTMLElement {
@@ -110,7 +115,7 @@ export class Beside {
       const shown = view.luminoWidget;
       if (this.#pane || this.#signal.aborted) return shown?.dispose();
       if (!shown) throw new Error("the view is not a widget of JupyterLab");
-      const pane = panelAround(shown);
+      const pane = paneFor(shown);
       const close = () => !pane.isDisposed && pane.dispose();
       view.once("remove", close);
       onAbort(this.#signal, close);
@@ -121,7 +126,7 @@ export class Beside {
       Object.assign(pane.node, { rwPane: pane }).dataset.view = this.#model.get("_view");
       fitIn(pane.node, shown.node);
       host.context?.addSibling?.(pane, { ref: notebook?.id, mode: "split-right", type: "robowidgets" });
-      if (pane.isAttached) return;
+      if (pane.isAttached) return toClass(shown).attach(shown, pane.node);
       pane.dispose(); // a page of one notebook takes no other widget
       this.#said = CANNOT;
     } catch (error) {
@@ -133,12 +138,17 @@ export class Beside {
   }
 }
 
-/** A panel of Lumino with a view in it. The panel of a view is one itself, but has a fixed size. */
-function panelAround(shown: Pane): Pane {
-  const Panel = Object.getPrototypeOf(shown.constructor) as new () => Pane;
-  const panel = new Panel();
-  panel.addWidget(shown);
-  return panel;
+/** An empty pane for a view. The element of the view is not one itself: the host sets its size by its layout. */
+function paneFor(shown: Pane): Pane {
+  const Widget = toClass(shown);
+  const pane = new Widget();
+  pane.disposed.connect(() => shown.dispose());
+  return pane;
+}
+
+/** Lumino's own class, from which the class of a view is derived. */
+function toClass(shown: Pane): WidgetClass {
+  return Object.getPrototypeOf(shown.constructor);
 }
 
 /** Gives the view the height of its pane instead of the height of the window. */

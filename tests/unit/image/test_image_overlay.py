@@ -24,7 +24,7 @@ from robowidgets import (
     Scan,
     SonarWidget,
     SpeedWidget,
-    together,
+    screen,
 )
 from robowidgets.camera import BesidePictures, PictureView, about_overlay, cones
 from robowidgets.feeds._frame_topics import _wanted
@@ -33,7 +33,7 @@ from robowidgets.image.frames import ImageFrames
 from robowidgets.kinds.choice import choose_widgets
 from robowidgets.poses.frame_tree import Poses
 from robowidgets.samples import Image, Pose
-from robowidgets.screens.layout import OneScreen
+from robowidgets.screens.layout import on_one_screen
 from robowidgets.widget.freezing import freeze_together
 
 from ... import camera_drive, map_scene
@@ -124,7 +124,7 @@ def test_a_message_that_joins_no_frames_is_left_out() -> None:
 
 def test_the_page_gets_each_reading_in_the_picture_by_its_index() -> None:
     image, laser = ImageWidget(title="/camera/image_rect"), LaserWidget(title="/scan")
-    together(laser, image)
+    screen(laser, image)
     laser.sectors["front"] = ("-5deg", "5deg")
     laser.draw("wall", Line((1.5, -0.2), (1.5, 0.2)))
     image.calibrate(INFO)
@@ -222,7 +222,7 @@ def test_a_player_lays_the_nearest_scan_over_each_picture(tmp_path: Path) -> Non
 
 def test_sonars_without_tf_are_placed_by_readings_or_the_user_and_one_line_names_the_others() -> None:
     image, ring = ImageWidget(title="/camera/image_rect"), SonarWidget(poses={"front": (0.2, 0.0, 0.0)})
-    together(image, ring)
+    screen(image, ring)
     image.calibrate(INFO)
     image.take_frames(TF)
     image.take_range("front", Range(1.0, 0.1, 4.0))
@@ -254,7 +254,7 @@ def test_of_two_scanners_the_one_shown_next_to_it_lies_over_the_picture() -> Non
     topics = dict.fromkeys(("/base_scan", "/tilt_scan"), "sensor_msgs/msg/LaserScan")
     ((base, _),) = image.topics_beside(topics)
     image.take_scan(scan_at(SECOND))
-    together(laser, image)
+    screen(laser, image)
     ((tilt, _),) = image.topics_beside(topics)
     assert (base, tilt) == ("/base_scan", "/tilt_scan")
     assert not image.beside.scans  # its scans were of the other scanner
@@ -320,12 +320,10 @@ def test_a_laser_says_what_it_needs_of_a_depth_image() -> None:
 def test_the_first_picture_stands_next_to_a_laser_that_stands_alone_and_others_below() -> None:
     laser, speed = LaserWidget(), SpeedWidget()
     images = [ImageWidget(), ImageWidget()]
-    screen = OneScreen()
-    screen.arrange([], [laser], [], images)
-    assert [box.children for box in screen.children] == [(laser,), (images[0],), (images[1],)]
-    screen.arrange([], [laser], [speed], images)
-    assert [box.children for box in screen.children] == [(laser,), (speed,), tuple(images)]
-    for widget in (laser, speed, *images, screen):
+    alone = on_one_screen([], [laser], [], images)
+    assert alone == {"wides": [laser], "smalls": images[:1], "below": images[1:]}
+    assert on_one_screen([], [laser], [speed], images) == {"wides": [laser], "smalls": [speed], "below": images}
+    for widget in (laser, speed, *images):
         widget.close()
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from robowidgets import Footprint, LaserWidget, Sector, SpeedWidget, TouchWidget, together
+from robowidgets import Footprint, LaserWidget, Sector, SpeedWidget, TouchWidget, screen
 
 
 def test_the_page_gets_the_outline_the_bumpers_and_the_widgets_of_the_view() -> None:
@@ -16,7 +16,7 @@ def test_the_page_gets_the_outline_the_bumpers_and_the_widgets_of_the_view() -> 
     laser.footprint = body
     assert laser.footprint is body
     assert (laser._robot["speed"], laser._robot["touch"]) == ("", "")
-    together(laser, speed, touch)
+    screen(laser, speed, touch)
     laser.footprint = body
     assert laser._robot == {
         "radius": 0.2,
@@ -37,18 +37,18 @@ def test_the_page_gets_the_outline_the_bumpers_and_the_widgets_of_the_view() -> 
 def test_a_footprint_takes_the_widgets_of_a_view_that_is_made_later() -> None:
     laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
     laser.footprint = Footprint(radius=0.18, bumpers={"left": ("15deg", "80deg")})
-    together(laser, speed)
+    screen(laser, speed)
     assert (laser._robot["speed"], laser._robot["touch"]) == (speed.model_id, "")
-    together(laser, speed, touch)
+    screen(laser, speed, touch)
     assert (laser._robot["speed"], laser._robot["touch"]) == (speed.model_id, touch.model_id)
     plain = LaserWidget()
-    together(plain, speed)
+    screen(plain, speed)
     assert plain._robot == {}
 
 
 def test_a_closed_widget_is_not_a_widget_of_a_footprint() -> None:
     laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
-    together(laser, speed, touch)
+    screen(laser, speed, touch)
     speed.close()
     laser.footprint = Footprint(radius=0.2)
     assert (laser._robot["speed"], laser._robot["touch"]) == ("", touch.model_id)

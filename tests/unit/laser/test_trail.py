@@ -11,7 +11,7 @@ import pytest
 from traitlets import TraitError
 
 import robowidgets
-from robowidgets import Footprint, LaserWidget, PathWidget, Scan, spread, together
+from robowidgets import Footprint, LaserWidget, PathWidget, Scan, screen, spread
 from robowidgets.poses.recent import RecentPoses
 from robowidgets.samples import Pose
 
@@ -77,7 +77,7 @@ class TestTrail:
         )
         laser.update(scan(1.0, stamp_ns=7 * S))
         assert "pose" not in laser.get_state()["_about"], "no path is in its view"
-        together(laser, path)
+        screen(laser, path)
         laser.update(scan(1.0, stamp_ns=7 * S))
         assert laser.get_state()["_about"]["pose"] == pytest.approx([1.0, 2.0, pi / 2], abs=1e-5)
         laser.footprint = Footprint(radius=0.5, scanner=(0.2, 0.1, "180deg"))

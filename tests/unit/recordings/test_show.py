@@ -33,6 +33,7 @@ from robowidgets.touch import marks as _touch_marks
 from robowidgets.touch.history import TouchHistory
 from robowidgets.touch.marks import touch_marks
 
+from ..pages import widgets_by_place
 from ..waiting import threads_named, wait_for
 from . import recorded, robot, sweeps, topics
 
@@ -437,40 +438,37 @@ def test_a_cell_that_runs_again_and_again_holds_no_more_than_once(path: Path, mo
 )
 def test_what_is_wrong_stands_above(data: Path, name: str, line: str) -> None:
     with shown(data / name) as player:
-        assert player.children[0].value.startswith(f"⚠ {line}")
+        assert player.notes[0].startswith(f"⚠ {line}")
 
 
 def test_cards_without_a_sensor_of_a_kind_stand_below_no_warning_until_they_are_taken_off(data: Path) -> None:
     with shown(data / "odd" / "jazzy_mcap_no_laser") as player:
         assert [view.choice.topic for view in player.views] == ["/imu/data", "/joint_states"]
-        assert player.children[0].value == ""
+        assert player.notes == []
         player.arrangement = []
         for view in player.views:
             player._on_toggle(view.choice.topic, False)
-        assert player.children[0].value.startswith("⚠ none of its topics has a widget for its kind of sensor")
+        assert player.notes[0].startswith("⚠ none of its topics has a widget for its kind of sensor")
 
 
 def test_if_nothing_can_be_shown_there_is_no_bar(data: Path) -> None:
     with shown(data / "odd" / "empty_bag") as player:
-        assert [type(child).__name__ for child in player.children] == ["HTML", "Box"]
-        assert player.children[1].children == ()
+        assert player.children == ()
 
 
 def test_what_is_wrong_is_not_markup(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Recording, "problems", ("/<b>: <script>",))
     with shown(path) as player:
-        assert player.children[0].value == "⚠ /&lt;b&gt;: &lt;script&gt;"
+        assert player.notes == ["⚠ /<b>: <script>"], "the page shows it as plain text"
 
 
 def test_what_is_found_wrong_on_the_way_is_reported_then(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # Otherwise the bad scan is among the data of a notebook.
     monkeypatch.setattr("robowidgets.screens.player.HELD_BYTES", 0)
     with shown(robot.write(tmp_path / "drive", bad_scan_at=40), scanogram=False) as player:
-        told = player.children[0]
-        assert (told.value, told.layout.display) == ("", "none")
+        assert player.notes == []
         player.seek(4.0)
-        assert told.value.startswith("⚠ /scan: messages that cannot be shown are left out, the first at 4.00 s")
-        assert told.layout.display is None
+        assert player.notes[0].startswith("⚠ /scan: messages that cannot be shown are left out, the first at 4.00 s")
 
 
 def test_it_starts_with_the_first_topic_when_none_starts_early(data: Path) -> None:
@@ -522,8 +520,7 @@ def test_the_whole_drive_stands_above_as_one_picture_if_it_is_wanted_or_short(
 ) -> None:
     def has_one(*topics: str, **more: bool) -> bool:
         with shown(path, *topics, **more) as player:
-            mains = player.children[-1].children[0].children[0]
-            return player.scanogram is not None and player.scanogram in mains.children
+            return player.scanogram is not None and widgets_by_place(player)["mains"] == ["ScanogramWidget"]
 
     assert has_one()
     assert not has_one(scanogram=False)
@@ -548,15 +545,13 @@ def test_the_bars_of_axes_that_no_speed_or_command_uses_are_left_out(path: Path,
 
 def test_without_a_scanogram_wide_widgets_or_a_map_stand_left_and_the_small_ones_right(path: Path) -> None:
     boxes = {
-        (): {"rw-wides": ["LaserWidget"], "rw-smalls": ["SpeedWidget", "TouchWidget", "PathWidget"]},
-        ("/odom", "/bumper"): {"rw-wides": ["PathWidget"], "rw-smalls": ["SpeedWidget", "TouchWidget"]},
-        ("/bumper",): {"rw-smalls": ["TouchWidget"]},
+        (): {"wides": ["LaserWidget"], "smalls": ["SpeedWidget", "TouchWidget", "PathWidget"]},
+        ("/odom", "/bumper"): {"wides": ["PathWidget"], "smalls": ["SpeedWidget", "TouchWidget"]},
+        ("/bumper",): {"smalls": ["TouchWidget"]},
     }
     for names, expected in boxes.items():
         with shown(path, *names, scanogram=False) as player:
-            screen = player.children[-1]
-            found = {box._dom_classes[0]: [type(one).__name__ for one in box.children] for box in screen.children}
-            assert found == expected
+            assert widgets_by_place(player) == {"bar": ["PlayerWidget"], "topics": ["TopicsWidget"], **expected}
 
 
 @pytest.mark.slow
@@ -592,7 +587,7 @@ def test_a_drive_of_which_every_scan_is_damaged_has_no_scanogram_and_no_words_on
     path = sweeps.write(tmp_path / "torn", [(seconds, raw[:40]) for seconds, raw in good])
     with shown(path) as player:
         assert (player.scanogram, player.bar._note) == (None, "")
-        assert player.children[0].value.startswith("⚠ /scan: messages that cannot be shown are left out")
+        assert player.notes[0].startswith("⚠ /scan: messages that cannot be shown are left out")
 
 
 def test_the_bar_knows_the_date_of_the_start_if_there_is_one(path: Path, data: Path) -> None:

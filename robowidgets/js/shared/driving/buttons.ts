@@ -27,7 +27,8 @@ export class StopButtons {
     on(this.stop, "click", ({ detail }) => detail === 0 && press(), signal);
     const onKey = (event: KeyboardEvent) => {
       if (!isPlain(event)) return;
-      if (event.key === "Escape" && (root.closest(".widget-vbox") ?? root).matches(":focus-within")) press();
+      if (event.key === "Escape" && (root.closest(".rw-one-screen, .widget-vbox") ?? root).matches(":focus-within"))
+        press();
       // The document does not know the focused element within a shadow root.
       const focused = [this.stop, this.allow].find((button) => button.matches(":focus"));
       // JupyterLab would edit the cell.
