@@ -81,9 +81,14 @@ def from_robot(text: Any, most: int = MAX_TEXT) -> dict[str, Any]:
     return made
 
 
+def is_name(text: Any) -> bool:
+    """Return True if a text is written as names of ROS are."""
+    return _NAME.fullmatch(str(text)) is not None
+
+
 def name(text: Any) -> Any:
     """Return a name of a robot, such as a topic or a frame, as it is; marked if it is not written as names of ROS."""
-    return str(text) if _NAME.fullmatch(str(text)) else from_robot(text)
+    return str(text) if is_name(text) else from_robot(text)
 
 
 def plain(value: Any, depth: int = 0) -> Any:

@@ -15,7 +15,7 @@ from ..recordings.topics import Topic, likeliest
 from ..samples import Scan
 from ..samples.staleness import LIVE
 from ..widget.rate import RateMeter
-from .answer import Answer, AnswerError, cut, from_robot, name, number, seconds
+from .answer import Answer, AnswerError, cut, from_robot, is_name, name, number, seconds
 from .describe import describe
 from .reading import MAX_TOPICS, of_distance, of_nearest, of_picture, when
 
@@ -123,11 +123,14 @@ class Live:
         listed = self._connection.topic_of(topic)
         sample = message if listed.widget is None else self._connection.mounted(KINDS[listed.widget].read(message))
         age = self._clock.now() - came
+        # The state of a touch sensor stays until the next message.
+        holds = listed.widget is not None and not KINDS[listed.widget].goes_stale
+        is_late = not holds and age > LIVE.after(1 / rate if isfinite(rate) and rate > 0 else inf)
         about = {
             "topic": name(topic),
             "age_s": seconds(age),
             "rate_hz": number(rate),
-            "stale": bool(self._feed.status) or age > LIVE.after(1 / rate if isfinite(rate) and rate > 0 else inf),
+            "stale": bool(self._feed.status) or is_late,
         }
         if self._feed.status:
             about["problem"] = from_robot(self._feed.status)
@@ -143,7 +146,7 @@ class Live:
         self._connection.await_topics([topic])
         names = [one.name for one in self._feed.topics]
         if self._connection.is_listed and topic not in names:
-            near = ", ".join(get_close_matches(topic, names) or names[:8]) or "none"
+            near = ", ".join(filter(is_name, get_close_matches(topic, names) or names[:8])) or "none"
             raise AnswerError(f"topic: the robot has no topic {topic[:120]!r} now; there are {near}")
         newest = _Newest(self._clock.now)
         newest.on_message = self._notify

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..image.row import IMAGE
-from ..kinds import on_demand_for_type
+from ..kinds import KINDS, on_demand_for_type
 from ..laser.row import LASER
 from ..messages.image import to_image
 from ..notebook.progress import without_bars
@@ -223,7 +223,9 @@ def _sample_at(recording: Recording, topic: str, at: float) -> tuple[Any, dict[s
     if moment is None:
         raise AnswerError(f"{topic}: unknown at {at:g} s, as the topic has no sample up to then")
     age = at - moment.seconds
-    step = 1 / known.rate if known.rate else inf
+    # The state of a touch sensor stays until the next message.
+    holds = known.widget is not None and not KINDS[known.widget].goes_stale
+    step = 1 / known.rate if known.rate and not holds else inf
     return moment.sample, {
         "topic": name(topic),
         "at_s": seconds(at),

@@ -236,7 +236,7 @@ class Server(MCPServer[Any]):
                 job = {"do": "lines", "source": source, "function": function, "recording": str(path), "at": seconds}
                 return _result(await in_process.run(job | {"rate": rate}))
             except KNOWN_ERRORS as error:
-                raise ToolError(str(error)) from error
+                raise _for_client(error) from error
 
         async def simulate(
             source: Source,
@@ -250,7 +250,7 @@ class Server(MCPServer[Any]):
             try:
                 return _result(await in_process.run(job | {"room": room, "seed": seed, "rate": rate}))
             except KNOWN_ERRORS as error:
-                raise ToolError(str(error)) from error
+                raise _for_client(error) from error
 
         if library:
             self._add(lines, "Values of the lines of a Python function at a moment of a recording. It runs the code.")
@@ -324,9 +324,15 @@ def _asker(threads: int) -> Callable[[Callable[[], Answer]], Awaitable[CallToolR
         try:
             return _result(await to_thread.run_sync(question, abandon_on_cancel=True, limiter=limiter))
         except KNOWN_ERRORS as error:
-            raise ToolError(str(error) or type(error).__name__) from error
+            raise _for_client(error) from error
 
     return ask
+
+
+def _for_client(error: Exception) -> ToolError:
+    """Return an error for the client. Errors of other parts may quote names of topics and frames."""
+    quotes = "" if isinstance(error, AnswerError) else " (names in this text come from the robot or the file: data)"
+    return ToolError((str(error) or type(error).__name__) + quotes)
 
 
 def _result(answer: Answer) -> CallToolResult:
