@@ -37,7 +37,7 @@ class AnswerError(Exception):
 
 
 @dataclass
-class Answer:
+class ToolAnswer:
     """An answer.
 
     Attributes:
@@ -50,7 +50,7 @@ class Answer:
     data: dict[str, Any] = field(default_factory=dict)
     png: bytes | None = None
 
-    def checked(self) -> Answer:
+    def checked(self) -> ToolAnswer:
         """Return this answer. AnswerError if its JSON is too large."""
         size = len(json.dumps(self.data, allow_nan=False).encode())
         if size > MAX_BYTES:

@@ -1,6 +1,6 @@
 """Code of an assistant, in a process of its own: the lines of a function over a recording, or a simulated drive.
 
-The process has the rights of the user, and is killed after a while. It runs only if a person allowed code.
+The process has the rights of the user, and is killed after a while. It runs only if the user allowed code.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 
 import anyio
 
-from .answer import Answer, AnswerError, from_robot, name, number, seconds
+from .answer import AnswerError, ToolAnswer, from_robot, name, number, seconds
 
 TIMEOUT_S = 60.0
 """Seconds after which the process is killed."""
@@ -34,8 +34,8 @@ MAX_SOURCE = 50_000
 _PLACES = 20
 
 
-async def run(job: Mapping[str, Any], timeout: float = TIMEOUT_S) -> Answer:
-    """Run a job in a process, which is killed if it takes too long or if nobody waits for it any more.
+async def run(job: Mapping[str, Any], timeout: float = TIMEOUT_S) -> ToolAnswer:
+    """Run a job in a process, which is killed if it takes too long or if its question is cancelled.
 
     Args:
         job: the arguments of `_lines` or `_simulate`, and its name in ``do``.
@@ -56,7 +56,7 @@ async def run(job: Mapping[str, Any], timeout: float = TIMEOUT_S) -> Answer:
             raise AnswerError(f"the process of the code ended without an answer, with code {done.returncode}") from None
         if text is None:
             raise AnswerError(data)
-        return Answer(text, data)
+        return ToolAnswer(text, data)
     raise AnswerError(f"the code did not return within {timeout:g} s, and its process was killed")
 
 
@@ -83,7 +83,7 @@ def _function(source: str, wanted: str | None, folder: Path) -> Any:
     return getattr(module, wanted or there[-1])
 
 
-def _lines(source: str, function: str | None, recording: str, at: float, rate: float, folder: Path) -> Answer:
+def _lines(source: str, function: str | None, recording: str, at: float, rate: float, folder: Path) -> ToolAnswer:
     """Return the values of the lines of a function at a moment of a recording."""
     from ..recording import open as open_recording
 
@@ -98,13 +98,13 @@ def _lines(source: str, function: str | None, recording: str, at: float, rate: f
             "error_of_the_step": from_robot(step.error) if step.error else "",
             "ended_early": from_robot(lines.error) if lines.error else "",
         }  # fmt: skip
-        return Answer(f"{len(lines):,} steps; the lines of the step at {step.seconds:.2f} s.", data)
+        return ToolAnswer(f"{len(lines):,} steps; the lines of the step at {step.seconds:.2f} s.", data)
 
 
 def _simulate(
     source: str, function: str | None, duration: float, seed: int, room: str, rate: float, folder: Path
-) -> Answer:
-    """Drive the simulated robot by a program, and return where it went and what it touched."""
+) -> ToolAnswer:
+    """Drive the simulated robot by a program, and return its places and touches."""
     from ..behaviors import simulate
     from ..simulator import Robot
     from ..simulator.rooms import room as room_of
@@ -138,10 +138,10 @@ def _simulate(
         "error": from_robot(error) if error else "",
     }
     ended = ", and ended with an error" if error else ""
-    return Answer(f"{robot.time:.1f} s simulated in the room {name(room)!r}, {touches} touches{ended}.", data)
+    return ToolAnswer(f"{robot.time:.1f} s simulated in the room {name(room)!r}, {touches} touches{ended}.", data)
 
 
-_DO: dict[str, Callable[..., Answer]] = {"lines": _lines, "simulate": _simulate}
+_DO: dict[str, Callable[..., ToolAnswer]] = {"lines": _lines, "simulate": _simulate}
 
 
 def main() -> None:
@@ -152,7 +152,7 @@ def main() -> None:
         try:
             made = do(**job, folder=Path(folder))
             said: Any = [made.text, made.data]
-        except BaseException as error:  # even a SystemExit of the code is told to the server
+        except BaseException as error:  # even a SystemExit of the code is an answer
             kind = "" if isinstance(error, AnswerError) else f"{type(error).__name__}: "
             said = [None, f"{kind}{error}"[:2000]]
     out.write(json.dumps(said))

@@ -1,4 +1,4 @@
-"""Driving a robot by the commands of an assistant: within limits that a person set, each for a few seconds."""
+"""Driving a robot by the commands of an assistant: within limits of the user, each for a few seconds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..driving.command_watchdog import ASSISTANT, PROGRAM, ZERO, Lease, Velocity
 from ..feeds import Feed, FeedError
 from ..runtime.clock import Threads, Ticket
 from ..samples.checks import finite
-from .answer import Answer, AnswerError, from_robot, number, seconds
+from .answer import AnswerError, ToolAnswer, from_robot, number, seconds
 
 MAX_LINEAR, MAX_ANGULAR = 0.2, 0.5
 """The default limits of an assistant, in m/s and rad/s."""
@@ -29,7 +29,7 @@ _DRIVERS = {ASSISTANT: "you", PROGRAM: "a program or a cell", "": "nobody"}
 
 @dataclass(frozen=True)
 class DriveLimits:
-    """The limits that a person sets when an assistant may drive.
+    """The limits of an assistant that may drive.
 
     Args:
         max_linear: m/s, forward and backward; greater speeds are cut.
@@ -55,8 +55,8 @@ class DriveLimits:
 class Hand:
     """The hand of an assistant on the robot of a feed.
 
-    A command drives for its seconds, and its speed is renewed here meanwhile. Stop, a pad, a program or a cell of a
-    person, the end of the connection, and the end of its time end it, with zero; only another command drives again.
+    A command drives for its seconds, and its speed is renewed here meanwhile. Stop, a pad, a program or a cell of the
+    user, the end of the connection, and the end of its time end it, with zero; only another command drives again.
 
     Args:
         feed: the feed.
@@ -72,7 +72,7 @@ class Hand:
         self._renewer: Ticket | None = None
         self._is_closed = False
 
-    def drive(self, linear: float, angular: float, duration: float) -> Answer:
+    def drive(self, linear: float, angular: float, duration: float) -> ToolAnswer:
         """Drive for some seconds, cut to the limits.
 
         Raises:
@@ -83,7 +83,7 @@ class Hand:
         asked = Velocity(finite("linear", linear, "m/s"), finite("angular", angular, "rad/s"))
         if not 0 < finite("seconds", duration, "seconds") <= limits.lease:
             raise AnswerError(
-                f"seconds: expected above 0 and at most {limits.lease:g}, the lease that a person set, got "
+                f"seconds: expected above 0 and at most {limits.lease:g}, the lease that the user set, got "
                 f"{duration:g}; nothing was sent"
             )
         if asked == ZERO:
@@ -97,7 +97,7 @@ class Hand:
         if self._is_closed:
             raise AnswerError("the server is closed; nothing was sent")
         if program is not None and program.mode != ENDED:
-            raise FeedError(f"the program {program.name} of a person is there, and drives alone; nothing was sent")
+            raise FeedError(f"the program {program.name} of the user drives alone; nothing was sent")
         try:
             lease = self._driver.drive_by_assistant(wanted, duration)
         except FeedError as error:
@@ -119,9 +119,9 @@ class Hand:
             **self._state(),
         }
         said = f"Driving {_text(wanted)} for {duration:g} s, then zero unless you ask again."
-        return Answer(" ".join([said, *(f"{one}." for one in cut)]), data)
+        return ToolAnswer(" ".join([said, *(f"{one}." for one in cut)]), data)
 
-    def stop(self) -> Answer:
+    def stop(self) -> ToolAnswer:
         """Send zero now.
 
         Raises:
@@ -132,14 +132,14 @@ class Hand:
             self._watchdog.end_lease(held[1])
             self._end("it stopped by itself")
         self._feed.stop()
-        return Answer("Zero was sent.", self._state())
+        return ToolAnswer("Zero was sent.", self._state())
 
-    def status(self) -> Answer:
+    def status(self) -> ToolAnswer:
         """Return the limits, the driver, the last speed that was sent, and why the last command ended."""
         state = self._state()
         left = state["seconds_left"]
         said = f"You drive for {left:.1f} s more." if left else "You do not drive."
-        return Answer(f"{said}{' Stop is latched by a person.' if state['stopped'] else ''}", state)
+        return ToolAnswer(f"{said}{' Stop is latched by the user.' if state['stopped'] else ''}", state)
 
     def close(self) -> None:
         """Stop the robot if the assistant drives it, and refuse every later command."""

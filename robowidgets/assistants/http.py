@@ -13,7 +13,7 @@ import uvicorn
 from starlette.responses import PlainTextResponse
 
 from ..runtime.platform_fixes import run_beside_debugger
-from .server import Server
+from .server import AssistantServer
 
 HOST = "127.0.0.1"
 PATH = "/mcp"
@@ -67,7 +67,7 @@ class HttpServer:
         OSError: the port is taken.
     """
 
-    def __init__(self, server: Server, port: int = 0, token: str = "") -> None:
+    def __init__(self, server: AssistantServer, port: int = 0, token: str = "") -> None:
         self.token = token or secrets.token_urlsafe(32)
         self._socket = socket.create_server((HOST, port))
         self.url = f"http://{HOST}:{self._socket.getsockname()[1]}{PATH}"

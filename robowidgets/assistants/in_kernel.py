@@ -1,4 +1,4 @@
-"""The server in the process of a notebook: an assistant sees, and may drive, the robot that a person watches."""
+"""The server in the process of a notebook: an assistant sees, and may drive, the robot that the user watches."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .library import Library
 
 if TYPE_CHECKING:
     from .http import HttpServer
-    from .server import Server
+    from .server import AssistantServer
 
 MISSING = 'the Python SDK of the Model Context Protocol is not installed here; type: pip install "robowidgets[mcp]"'
 
@@ -22,10 +22,10 @@ class Assistant:
 
     Attributes:
         url: its address.
-        token: its token. Whoever has it may do what this server allows.
+        token: its token. It allows all that this server offers.
     """
 
-    def __init__(self, server: Server, http: HttpServer) -> None:
+    def __init__(self, server: AssistantServer, http: HttpServer) -> None:
         self._server, self._http = server, http
         self.url, self.token = http.url, http.token
         http.start()
@@ -66,7 +66,7 @@ def assistant(
     lease: float = LEASE_S,
     port: int = 0,
 ) -> Assistant:
-    """Let an assistant see a robot or recordings, by the Model Context Protocol over HTTP on this computer.
+    """Serve a robot or recordings to an assistant, by the Model Context Protocol over HTTP on this computer.
 
     Stop, the pads and the programs of this notebook come first: each ends the command of the assistant at once.
 
@@ -100,12 +100,12 @@ def assistant(
         raise ValueError("assistant(): expected a feed or recordings, got neither")
     try:
         from .http import HttpServer
-        from .server import Server
+        from .server import AssistantServer
     except ModuleNotFoundError as error:
         raise ImportError(MISSING) from error
     if feed is not None:
         feed.connection.check_open()
-    server = Server(library, feed, limits if drive else None, code=False)
+    server = AssistantServer(library, feed, limits if drive else None, code=False)
     try:
         return Assistant(server, HttpServer(server, port))
     except BaseException:

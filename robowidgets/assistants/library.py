@@ -62,7 +62,7 @@ class Library:
         there = [path for path in inside if path.exists()]
         if not there:
             near = ", ".join(self.names()[:5]) or "none"
-            raise AnswerError(f"recording: there is no {name[:200]!r}; there are {near}")
+            raise AnswerError(f"recording: found no {name[:200]!r}; there are {near}")
         only = fleet.the_only([there[0]])
         if only is None or not self._allows(Path(os.path.realpath(only))):
             raise AnswerError(f"recording: {name[:200]!r} is a folder of several recordings; name one of them")

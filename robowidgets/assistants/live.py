@@ -15,7 +15,7 @@ from ..recordings.topics import Topic, likeliest
 from ..samples import Scan
 from ..samples.staleness import LIVE
 from ..widget.rate import RateMeter
-from .answer import Answer, AnswerError, cut, from_robot, is_name, name, number, seconds
+from .answer import AnswerError, ToolAnswer, cut, from_robot, is_name, name, number, seconds
 from .describe import describe
 from .reading import MAX_TOPICS, of_distance, of_nearest, of_picture, when
 
@@ -44,7 +44,7 @@ class _Newest:
         self.on_message()
 
 
-class Live:
+class LiveTools:
     """Answers from the topics of a feed. Each method is one question; any thread may ask.
 
     Args:
@@ -59,7 +59,7 @@ class Live:
         self._followed: dict[str, tuple[_Newest, Any]] = {}
         """The topics that are received, in the order in which they were asked for."""
 
-    def topics(self) -> Answer:
+    def topics(self) -> ToolAnswer:
         """List the topics of the robot."""
         self._connection.await_topics(())
         topics = [_topic(topic) for topic in self._feed.topics]
@@ -68,22 +68,24 @@ class Live:
             "topics": cut(topics, MAX_TOPICS),
             **({"problem": from_robot(self._feed.status)} if self._feed.status else {}),
         }
-        return Answer(f"{len(topics)} topics{', and a problem of the connection' if self._feed.status else ''}.", data)
+        return ToolAnswer(
+            f"{len(topics)} topics{', and a problem of the connection' if self._feed.status else ''}.", data
+        )
 
-    def at(self, topic: str) -> Answer:
+    def at(self, topic: str) -> ToolAnswer:
         """Return the newest sample or message of a topic."""
         sample, about = self._newest(topic)
-        return Answer(when(about), {**about, **describe(sample)})
+        return ToolAnswer(when(about), {**about, **describe(sample)})
 
-    def distance(self, topic: str | None, sector: Any, percentile: float | None) -> Answer:
+    def distance(self, topic: str | None, sector: Any, percentile: float | None) -> ToolAnswer:
         """Return the distance to the nearest thing in a sector now."""
         return of_distance(*self._scan(topic), sector, percentile)
 
-    def nearest(self, topic: str | None, sector: Any, count: int) -> Answer:
+    def nearest(self, topic: str | None, sector: Any, count: int) -> ToolAnswer:
         """Return the rays to the nearest things in a sector now."""
         return of_nearest(*self._scan(topic), sector, count)
 
-    def picture(self, topic: str) -> Answer:
+    def picture(self, topic: str) -> ToolAnswer:
         """Return a PNG of the newest scan or camera picture."""
         sample, about = self._newest(topic)
         return of_picture(sample, about, self._connection.topic_of(topic).type)

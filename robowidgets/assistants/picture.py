@@ -65,7 +65,7 @@ def picture_of(sample: Any) -> tuple[bytes, str]:
     if isinstance(sample, Image):
         return of_image(sample)
     raise AnswerError(
-        "picture: expected a topic of scans or of camera pictures; ask `at` for the numbers of any other, and a person "
+        "picture: expected a topic of scans or of camera pictures; ask `at` for the numbers of any other, and the user "
         "for the page, which shows all widgets"
     )
 

@@ -30,7 +30,7 @@ from ..samples.distances import ray_distances
 from ..samples.sector import ALL_ROUND, to_sector
 from ..samples.staleness import RECORDED
 from ..speed.row import SPEED
-from .answer import Answer, AnswerError, cut, from_robot, name, number, seconds
+from .answer import AnswerError, ToolAnswer, cut, from_robot, name, number, seconds
 from .describe import describe, distance, ray, said
 from .library import Library
 from .picture import picture_of
@@ -41,7 +41,7 @@ COMPARED_TIMES = 20
 """The number of times at which recordings are compared."""
 
 
-class Reading:
+class RecordingTools:
     """Answers from the recordings of a library. Each method is one question; any thread may ask.
 
     Args:
@@ -51,12 +51,12 @@ class Reading:
     def __init__(self, library: Library) -> None:
         self._library = library
 
-    def recordings(self) -> Answer:
+    def recordings(self) -> ToolAnswer:
         """List the recordings."""
         names = self._library.names()
-        return Answer(f"{len(names)} recordings that this server may read.", {"recordings": cut(names, MAX_NAMES)})
+        return ToolAnswer(f"{len(names)} recordings that this server may read.", {"recordings": cut(names, MAX_NAMES)})
 
-    def info(self, recording: str) -> Answer:
+    def info(self, recording: str) -> ToolAnswer:
         """Return the length, the topics and the problems of a recording."""
         with self._library.open(recording) as opened:
             opened.check_topics()
@@ -67,9 +67,9 @@ class Reading:
                 "topics": cut(topics, MAX_TOPICS),
                 "problems": _problems(opened.problems),
             }
-            return Answer(f"{opened.duration:.1f} s, {len(topics)} topics, {len(opened.problems)} problems.", data)
+            return ToolAnswer(f"{opened.duration:.1f} s, {len(topics)} topics, {len(opened.problems)} problems.", data)
 
-    def doctor(self, recording: str) -> Answer:
+    def doctor(self, recording: str) -> ToolAnswer:
         """Check a recording, and return its problems with their remedies."""
         with self._library.open(recording) as opened, without_bars():
             report = opened.doctor()
@@ -79,9 +79,9 @@ class Reading:
                 for one in report.topics
             ]
             data = {"problems": cut(problems, MAX_PROBLEMS), "topics": cut(topics, MAX_TOPICS)}
-            return Answer(f"{len(problems)} problems; the texts may quote names from the recording.", data)
+            return ToolAnswer(f"{len(problems)} problems; the texts may quote names from the recording.", data)
 
-    def find(self, recording: str, **asked: Any) -> Answer:
+    def find(self, recording: str, **asked: Any) -> ToolAnswer:
         """Return the spans in which conditions held."""
         with self._library.open(recording) as opened, without_bars():
             spans = opened.find(_condition(**asked))
@@ -101,21 +101,23 @@ class Reading:
                 "searched_all": spans.is_complete,
                 "problems": _problems(spans.problems),
             }
-            return Answer(f"{len(found)} spans, {spans.seconds:.2f} s in all.", data)
+            return ToolAnswer(f"{len(found)} spans, {spans.seconds:.2f} s in all.", data)
 
-    def at(self, recording: str, topic: str, at: float) -> Answer:
+    def at(self, recording: str, topic: str, at: float) -> ToolAnswer:
         """Return the last sample or message of a topic up to a time."""
         with self._library.open(recording) as opened:
             sample, about = _sample_at(opened, topic, at)
-            return Answer(when(about), {**about, **describe(sample)})
+            return ToolAnswer(when(about), {**about, **describe(sample)})
 
-    def distance(self, recording: str, at: float, topic: str | None, sector: Any, percentile: float | None) -> Answer:
+    def distance(
+        self, recording: str, at: float, topic: str | None, sector: Any, percentile: float | None
+    ) -> ToolAnswer:
         """Return the distance to the nearest thing in a sector at a time."""
         with self._library.open(recording) as opened:
             scan, about = _scan_at(opened, topic, at)
             return of_distance(scan, about, sector, percentile)
 
-    def nearest(self, recording: str, at: float, topic: str | None, sector: Any, count: int) -> Answer:
+    def nearest(self, recording: str, at: float, topic: str | None, sector: Any, count: int) -> ToolAnswer:
         """Return the rays to the nearest things in a sector at a time, the nearest first."""
         with self._library.open(recording) as opened:
             scan, about = _scan_at(opened, topic, at)
@@ -123,7 +125,7 @@ class Reading:
 
     def series(
         self, recording: str, topic: str, fields: Sequence[str], start: float | None, end: float | None, points: int
-    ) -> Answer:
+    ) -> ToolAnswer:
         """Return fields of a topic over time: at most some points, and the extremes of all."""
         if not 1 <= points <= MAX_POINTS:
             raise AnswerError(f"points: expected 1 to {MAX_POINTS}, got {points}")
@@ -137,15 +139,15 @@ class Reading:
                 "fields": {field: _line(values, rows) for field, values in columns.items()},
             }
             thinned = "" if len(rows) == len(times) else ", thinned evenly; min, max and mean are of all"
-            return Answer(f"{len(rows)} of {len(times)} points{thinned}. None is unknown or not finite.", data)
+            return ToolAnswer(f"{len(rows)} of {len(times)} points{thinned}. null: unknown or not finite.", data)
 
-    def picture(self, recording: str, topic: str, at: float) -> Answer:
+    def picture(self, recording: str, topic: str, at: float) -> ToolAnswer:
         """Return a PNG of a scan or of a camera picture at a time."""
         with self._library.open(recording) as opened:
             sample, about = _sample_at(opened, topic, at)
             return of_picture(sample, about, check_known(topic, opened.topics, opened.path.name).type)
 
-    def compare(self, recordings: Sequence[str]) -> Answer:
+    def compare(self, recordings: Sequence[str]) -> ToolAnswer:
         """Return facts of 2 to 4 recordings side by side, and nearest distances and speeds at the same times."""
         if not 2 <= len(recordings) <= 4:
             raise AnswerError(f"recordings: expected 2 to 4 names, got {len(recordings)}")
@@ -160,8 +162,8 @@ class Reading:
             for line in ("nearest_m", "speed_m_s"):
                 held = one.pop(f"_{line}", None)
                 one[f"{line}_at"] = None if held is None else [_held(held, second) for second in at]
-        text = f"{len(made)} recordings, by the time since the start of each; None is unknown."
-        return Answer(text, {"at_s": at, "recordings": made})
+        text = f"{len(made)} recordings, by the time since the start of each; null: unknown."
+        return ToolAnswer(text, {"at_s": at, "recordings": made})
 
 
 def _line(values: NDArray[np.float64], rows: NDArray[np.intp]) -> dict[str, Any]:
@@ -173,16 +175,16 @@ def _line(values: NDArray[np.float64], rows: NDArray[np.intp]) -> dict[str, Any]
     return made
 
 
-def of_distance(scan: Scan, about: dict[str, Any], sector: Any, percentile: float | None) -> Answer:
+def of_distance(scan: Scan, about: dict[str, Any], sector: Any, percentile: float | None) -> ToolAnswer:
     """Return the distance to the nearest thing in a sector of a scan."""
     rays = to_sector(sector) if sector is not None else ALL_ROUND
     data = {**about, **distance(scan, rays), "frame": name(scan.frame_id) if scan.frame_id else "unknown"}
     if percentile is not None:
         data |= {"percentile": percentile, "distance_m": number(scan.distance(rays, percentile=percentile))}
-    return Answer(f"{said(scan.distance(rays, percentile=percentile))}. {when(about)}", data)
+    return ToolAnswer(f"{said(scan.distance(rays, percentile=percentile))}. {when(about)}", data)
 
 
-def of_nearest(scan: Scan, about: dict[str, Any], sector: Any, count: int) -> Answer:
+def of_nearest(scan: Scan, about: dict[str, Any], sector: Any, count: int) -> ToolAnswer:
     """Return the nearest rays in a sector of a scan."""
     if not 1 <= count <= 20:
         raise AnswerError(f"count: expected 1 to 20 rays, got {count}")
@@ -196,15 +198,15 @@ def of_nearest(scan: Scan, about: dict[str, Any], sector: Any, count: int) -> An
         "rays_in_sector": len(indices),
         "frame": name(scan.frame_id) if scan.frame_id else "unknown",
     }
-    return Answer(f"{len(found)} rays, the nearest first. {when(about)}", data)
+    return ToolAnswer(f"{len(found)} rays, the nearest first. {when(about)}", data)
 
 
-def of_picture(sample: Any, about: dict[str, Any], type_name: str) -> Answer:
+def of_picture(sample: Any, about: dict[str, Any], type_name: str) -> ToolAnswer:
     """Return a picture of a sample."""
     if on_demand_for_type(type_name) is IMAGE:
         sample = to_image(sample)
     made, how = picture_of(sample)
-    return Answer(f"{how} {when(about)}", about, made)
+    return ToolAnswer(f"{how} {when(about)}", about, made)
 
 
 def when(about: dict[str, Any]) -> str:

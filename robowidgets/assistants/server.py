@@ -20,11 +20,11 @@ from pydantic import Field
 from ..feeds import Feed, FeedError
 from ..repair import RecordingError
 from . import code as in_process
-from .answer import Answer, AnswerError
+from .answer import AnswerError, ToolAnswer
 from .hand import DriveLimits, Hand
 from .library import Library
-from .live import Live
-from .reading import MAX_POINTS, Reading
+from .live import LiveTools
+from .reading import MAX_POINTS, RecordingTools
 
 INSTRUCTIONS = (
     "Recordings and the sensors of robots, in SI units: metres, radians, seconds; x is forward, y left, angles "
@@ -35,7 +35,7 @@ INSTRUCTIONS = (
 
 DRIVING = (
     " You may drive slowly: each `robot_drive` lasts for some seconds, then zero is sent; look at the sensors, and ask "
-    "again to go on. A person may stop you at any time, and alone can allow you to drive again after Stop."
+    "again to go on. The user may stop you at any time, and alone can allow you to drive again after Stop."
 )
 
 KNOWN_ERRORS = (AnswerError, RecordingError, FeedError, ValueError, TypeError, KeyError, OSError, ImportError)
@@ -63,17 +63,19 @@ Start = Annotated[
     float | None, Field(description="Seconds from the start of the recording, or left out for its start.")
 ]
 End = Annotated[float | None, Field(description="Seconds from the start of the recording, or left out for its end.")]
-Source = Annotated[str, Field(description="Python source that defines the function.", max_length=in_process.MAX_SOURCE)]
+SourceText = Annotated[
+    str, Field(description="Python source that defines the function.", max_length=in_process.MAX_SOURCE)
+]
 FunctionName = Annotated[str | None, Field(description="Name of the function, if not the last one in the source.")]
 StepRate = Annotated[float, Field(description="Steps a second.", gt=0, le=200)]
 
 
-class Server(MCPServer[Any]):
+class AssistantServer(MCPServer[Any]):
     """A server with its tools. It closes what it opened by `close`.
 
     Args:
         library: the recordings that it may read.
-        feed: a feed, which somebody else closes, or None.
+        feed: a feed, which stays open, or None.
         drive: the limits if the assistant may drive, else None.
         code: True if it may run code that the assistant sends.
     """
@@ -84,10 +86,10 @@ class Server(MCPServer[Any]):
             super().__init__("robowidgets", instructions=text, version=_version(), log_level="WARNING")
         self._arguments: dict[str, list[str]] = {}
         self.library = library
-        self.live = None if feed is None else Live(feed)
+        self.live = None if feed is None else LiveTools(feed)
         self.hand = None if feed is None or drive is None else Hand(feed, drive)
         if library:
-            self._add_recordings(Reading(library))
+            self._add_recordings(RecordingTools(library))
         if code:
             self._add_code()
         if self.live is not None:
@@ -125,7 +127,7 @@ class Server(MCPServer[Any]):
         names = function.__code__.co_varnames
         self._arguments[function.__name__] = list(names[: function.__code__.co_argcount])
 
-    def _add_recordings(self, reading: Reading) -> None:
+    def _add_recordings(self, reading: RecordingTools) -> None:
         """Add the tools over recordings."""
         ask = _asker(2)
 
@@ -226,7 +228,7 @@ class Server(MCPServer[Any]):
 
         async def lines(
             recording: RecordingName,
-            source: Source,
+            source: SourceText,
             seconds: Second,
             function: FunctionName = None,
             rate: StepRate = 10.0,
@@ -239,7 +241,7 @@ class Server(MCPServer[Any]):
                 raise _for_client(error) from error
 
         async def simulate(
-            source: Source,
+            source: SourceText,
             seconds: Annotated[float, Field(description="Simulated seconds.", gt=0, le=in_process.MAX_SECONDS)] = 30.0,
             function: FunctionName = None,
             room: Annotated[str, Field(description="house, corridor, office or maze.")] = "house",
@@ -256,7 +258,7 @@ class Server(MCPServer[Any]):
             self._add(lines, "Values of the lines of a Python function at a moment of a recording. It runs the code.")
         self._add(simulate, "Drive the simulated robot by a Python program, as fast as it goes. It runs the code.")
 
-    def _add_robot(self, live: Live) -> None:
+    def _add_robot(self, live: LiveTools) -> None:
         """Add the tools over the running robot."""
         ask = _asker(4)
 
@@ -313,14 +315,14 @@ class Server(MCPServer[Any]):
         self._add(robot_status, "Who drives, seconds left, limits, Stop, and why your last command ended.")
 
 
-def _asker(threads: int) -> Callable[[Callable[[], Answer]], Awaitable[CallToolResult]]:
+def _asker(threads: int) -> Callable[[Callable[[], ToolAnswer]], Awaitable[CallToolResult]]:
     """Return a function that asks one question in one of so many threads.
 
     If the client cancels a question, its thread ends by itself and its answer is dropped.
     """
     limiter = CapacityLimiter(threads)
 
-    async def ask(question: Callable[[], Answer]) -> CallToolResult:
+    async def ask(question: Callable[[], ToolAnswer]) -> CallToolResult:
         try:
             return _result(await to_thread.run_sync(question, abandon_on_cancel=True, limiter=limiter))
         except KNOWN_ERRORS as error:
@@ -335,7 +337,7 @@ def _for_client(error: Exception) -> ToolError:
     return ToolError((str(error) or type(error).__name__) + quotes)
 
 
-def _result(answer: Answer) -> CallToolResult:
+def _result(answer: ToolAnswer) -> CallToolResult:
     made = answer.checked()
     content: list[ContentBlock] = [TextContent(type="text", text=made.text)]
     if made.png is not None:

@@ -84,7 +84,7 @@ def serve(arguments: argparse.Namespace, warn: Callable[[str], None]) -> None:
         raise CommandError(f"mcp: {error}") from None
     try:
         from ..assistants.http import HttpServer
-        from ..assistants.server import Server
+        from ..assistants.server import AssistantServer
     except ModuleNotFoundError as error:
         raise CommandError(f"mcp: {MISSING}") from error
     feed = _opened(arguments.feed) if arguments.feed else None
@@ -92,7 +92,7 @@ def serve(arguments: argparse.Namespace, warn: Callable[[str], None]) -> None:
     try:
         if feed is not None and arguments.topic:
             feed.driving = feeds.Driving(topic=arguments.topic)
-        server = Server(library, feed, drive, code=arguments.code)
+        server = AssistantServer(library, feed, drive, code=arguments.code)
         if arguments.http is None:
             server.run("stdio")
             return

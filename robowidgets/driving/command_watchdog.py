@@ -190,7 +190,7 @@ class CommandWatchdog(Observed):
             return lease.ends - self._clock.now() if lease is not None and self.driver == ASSISTANT else 0.0
 
     def lend(self, seconds: float, stops: int) -> Lease:
-        """Let an assistant drive for some seconds, instead of its command before.
+        """Allow an assistant to drive for some seconds, instead of its command before.
 
         Args:
             seconds: the duration.

@@ -1,4 +1,4 @@
-"""The tools over recordings: small answers, and nothing outside of the folders that a person named."""
+"""The tools over recordings: small answers, and nothing outside of the folders that the user named."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 
 import robowidgets
 from robowidgets import conditions
-from robowidgets.assistants.answer import MAX_BYTES, MAX_TEXT, Answer, AnswerError, from_robot, name, plain
+from robowidgets.assistants.answer import MAX_BYTES, MAX_TEXT, AnswerError, ToolAnswer, from_robot, name, plain
 from robowidgets.assistants.library import Library
 from robowidgets.assistants.picture import of_image, png
 from robowidgets.samples import Image
@@ -29,9 +29,9 @@ SAMPLE = "sample.mcap"
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Any]:
-    from robowidgets.assistants.server import Server
+    from robowidgets.assistants.server import AssistantServer
 
-    made = Server(Library([robowidgets.SAMPLE.parent]), None, None, code=False)
+    made = AssistantServer(Library([robowidgets.SAMPLE.parent]), None, None, code=False)
     yield made
     made.close()
 
@@ -68,14 +68,14 @@ def test_distances_have_the_index_of_the_ray_the_frame_and_the_age(server: Any, 
 def test_a_sample_of_a_silent_topic_is_stale_and_the_state_of_a_touch_sensor_is_not(
     server: Any, tmp_path: Path
 ) -> None:
-    from robowidgets.assistants.server import Server
+    from robowidgets.assistants.server import AssistantServer
 
     touch = ask(server, "at", recording=SAMPLE, topic="/bumper", seconds=15.0)
     assert (touch["age_s"] > 1, touch["stale"]) == (True, False)
     types = {"/odom": "nav_msgs/msg/Odometry", "/chatter": "std_msgs/msg/String"}
     silent = [(0.1 * i, "/odom", {}) for i in range(20)] + [(30.0, "/chatter", {"data": "I am late"})]
     write(tmp_path / "run", types, silent)
-    made = Server(Library([tmp_path]), None, None, code=False)
+    made = AssistantServer(Library([tmp_path]), None, None, code=False)
     assert ask(made, "at", recording="run", topic="/odom", seconds=2.5)["stale"] is False
     old = result(made, "at", recording="run", topic="/odom", seconds=30.0)
     assert (old.structured_content["stale"], "stale" in old.content[0].text) == (True, True)
@@ -142,7 +142,7 @@ def test_a_large_picture_is_thinned_and_says_so() -> None:
 
 
 def test_paths_outside_of_the_folders_are_refused(tmp_path: Path, server: Any) -> None:
-    from robowidgets.assistants.server import Server
+    from robowidgets.assistants.server import AssistantServer
 
     inside, outside = tmp_path / "runs", tmp_path / "private"
     for folder in (inside, outside):
@@ -151,13 +151,13 @@ def test_paths_outside_of_the_folders_are_refused(tmp_path: Path, server: Any) -
     (inside / "link.mcap").symlink_to(outside / "a.mcap")
     (tmp_path / "runs2").mkdir()
     shutil.copy(robowidgets.SAMPLE, tmp_path / "runs2" / "a.mcap")
-    made = Server(Library([inside]), None, None, code=False)
+    made = AssistantServer(Library([inside]), None, None, code=False)
     assert ask(made, "info", recording="a.mcap")["seconds"] == 58.0
     assert ask(made, "info", recording=str(inside / "a.mcap"))["seconds"] == 58.0
     for one in ("../private/a.mcap", str(outside / "a.mcap"), "link.mcap", "../runs2/a.mcap", "/etc/passwd", "~/x.mcap",
                 "file:///etc/passwd", "s3://bucket/a.mcap", "a.mcap/../../private/a.mcap"):  # fmt: skip
         assert "is outside of the folders that this server may read" in refusal(made, "info", recording=one), one
-    assert refusal(made, "info", recording="b.mcap").startswith("recording: there is no 'b.mcap'; there are a.mcap")
+    assert refusal(made, "info", recording="b.mcap").startswith("recording: found no 'b.mcap'; there are a.mcap")
     made.close()
 
 
@@ -212,7 +212,7 @@ def test_texts_of_a_robot_are_cut_and_marked_and_names_of_ros_are_not() -> None:
 
 def test_an_answer_that_is_too_large_is_an_error() -> None:
     with pytest.raises(AnswerError, match=r"the answer has .* bytes, and 24,000 are allowed"):
-        Answer("", {"values": [1.5] * MAX_BYTES}).checked()
+        ToolAnswer("", {"values": [1.5] * MAX_BYTES}).checked()
 
 
 def test_tools_are_listed_with_schemas_and_descriptions_and_code_is_off(server: Any) -> None:

@@ -1,4 +1,4 @@
-"""The tools over a running robot: live data with its age, and a hand that a person lends for seconds and takes back."""
+"""The tools over a running robot: live data with its age, and a hand that the user lends for seconds and takes back."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def test_speeds_are_cut_to_the_smaller_limits_and_the_answer_says_what_was_not_s
 @pytest.mark.parametrize(
     ("arguments", "error", "text"),
     [
-        ((0.1, 0.0, 6.0), AnswerError, "seconds: expected above 0 and at most 5, the lease that a person set, got 6"),
+        ((0.1, 0.0, 6.0), AnswerError, "seconds: expected above 0 and at most 5, the lease that the user set, got 6"),
         ((0.1, 0.0, 0.0), AnswerError, "seconds: expected above 0"),
         ((float("nan"), 0.0, 1.0), ValueError, "linear: expected a finite number of m/s, got nan"),
     ],
@@ -119,7 +119,7 @@ def test_stop_of_a_person_ends_the_command_at_once_and_it_does_not_come_back(hel
     assert set(script.speeds[1:]) == {(0.0, 0.0)}
     assert "released" not in hand.status().text
     hand.drive(0.1, 0.0, 5.0)
-    assert script.speeds[-1] == (0.1, 0.0), "a new command drives, as a person has allowed it"
+    assert script.speeds[-1] == (0.1, 0.0), "a new command drives, as the user has allowed it"
 
 
 def test_a_pad_takes_over_at_once_and_the_assistant_does_not_go_on_after_it(held: Held, clock: ManualClock) -> None:
@@ -199,7 +199,7 @@ def test_the_page_and_the_events_show_each_command_and_its_end(held: Held, clock
 def test_a_program_of_a_person_drives_alone(robot: Feed, script: Scripted) -> None:
     robot.program(lambda: Drive(0.0), rate=50)
     hand = Hand(robot, LIMITS)
-    with pytest.raises(FeedError, match=r"the program <lambda> of a person is there.*nothing was sent"):
+    with pytest.raises(FeedError, match=r"the program <lambda> of the user drives alone.*nothing was sent"):
         hand.drive(0.1, 0.0, 1.0)
     hand.close()
     assert set(script.speeds) <= {(0.0, 0.0)}
@@ -232,7 +232,7 @@ Serve = Callable[..., tuple[Any, Scripted, Feed]]
 @pytest.fixture
 def serve(monkeypatch: pytest.MonkeyPatch) -> Iterator[Serve]:
     """Opens servers on a script."""
-    from robowidgets.assistants.server import Server
+    from robowidgets.assistants.server import AssistantServer
 
     monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
     monkeypatch.setattr("robowidgets.assistants.live.FIRST_MESSAGE_TIMEOUT_S", 0.1)
@@ -241,7 +241,7 @@ def serve(monkeypatch: pytest.MonkeyPatch) -> Iterator[Serve]:
     def open_one(*topics: Advert, drive: DriveLimits | None = None) -> tuple[Any, Scripted, Feed]:
         script = Scripted(*topics)
         feed = Feed(script)
-        opened.append((Server(Library([]), feed, drive, code=False), feed))
+        opened.append((AssistantServer(Library([]), feed, drive, code=False), feed))
         return opened[-1][0], script, feed
 
     yield open_one
@@ -305,7 +305,7 @@ def test_an_injection_in_the_text_of_a_topic_is_marked_and_changes_nothing_that_
     assert bad[:20] not in told.content[0].text, "the short text is in our own words"
     sent = ask(server, "robot_drive", linear=9.0, angular=9.0, seconds=5.0)["sent"]
     assert (sent["linear_m_s"], sent["angular_rad_s"]) == (0.2, 0.5)
-    assert "at most 5, the lease that a person set" in refusal(
+    assert "at most 5, the lease that the user set" in refusal(
         server, "robot_drive", linear=0.1, angular=0.0, seconds=99.0
     )
     feed.stopped = True
