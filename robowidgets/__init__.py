@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from . import feeds, fleet, lessons, simulator
     from ._compare import compare as compare
     from ._plot import plot as plot
+    from .assistants import assistant as assistant
     from .camera import CameraModel as CameraModel
     from .camera import depth_scan
     from .fleet import drives, summary
@@ -121,6 +122,7 @@ __all__ = [
     "TouchWidget",
     "Validity",
     "WiresWidget",
+    "assistant",
     "compare",
     "conditions",
     "decisions",
@@ -149,6 +151,7 @@ _LATER = {
     "MachineWidget": ".machine_widget",
     "ProgramWidget": ".program_widget",
     "Recording": ".recording",
+    "assistant": ".assistants",
     "compare": "._compare",
     "decisions": ".recordings.search.lines",
     "depth_scan": ".camera",

@@ -10,7 +10,7 @@ from typing import Any
 
 import traitlets
 
-from .driving.command_watchdog import HOLD, MAX_ANGULAR, MAX_LINEAR, PROGRAM, CommandWatchdog, Velocity
+from .driving.command_watchdog import ASSISTANT, HOLD, MAX_ANGULAR, MAX_LINEAR, PROGRAM, CommandWatchdog, Velocity
 from .driving.driving_widget import DrivingWidget
 from .driving.press import PadMessage, PressLease
 from .samples import Speed
@@ -217,7 +217,7 @@ class DriveWidget(DrivingWidget):
         driver = self._watchdog.driver
         if self.stopped or driver == press:
             return "stopped" if self.stopped else ""
-        return "taken" if driver not in ("", PROGRAM) else "late"
+        return "taken" if driver not in ("", PROGRAM, ASSISTANT) else "late"
 
     def _end_press(self, why: str) -> None:
         press = self._lease.end(why)

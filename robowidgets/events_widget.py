@@ -129,6 +129,8 @@ class EventsWidget(RobotWidget[Event]):
         self._fired: Fired | None = None
         """The last transition of the machine in the list."""
         self._program_error = ""
+        self._reported = -1
+        """The number of the last report about an assistant in the list."""
         self._whole: tuple[EventRow, ...] = ()
         """The rows of a recording."""
         self._notes: tuple[str, ...] = ()
@@ -194,6 +196,8 @@ class EventsWidget(RobotWidget[Event]):
     def follow(self, feed: Any) -> None:
         """Add the events of a robot's program to the list: its versions, the states of its machine, and its errors.
 
+        The commands of an assistant that drives the robot are added, too.
+
         Args:
             feed: the feed. In `Feed.show` a list of events follows the program by itself.
 
@@ -204,7 +208,7 @@ class EventsWidget(RobotWidget[Event]):
         if not isinstance(programs, Programs):
             raise TypeError(f"follow(): expected a feed, got {feed!r}")
         self._leave_program()
-        self._programs = programs
+        self._programs, self._reported = programs, -1
         programs.observe(self._on_step)
         self._on_step()
 
@@ -279,7 +283,14 @@ class EventsWidget(RobotWidget[Event]):
     def _on_step(self) -> None:
         """Add the events of the program since the last call. The thread of the program usually calls this."""
         programs = self._programs
-        program = None if programs is None else programs.current
+        if programs is None:
+            return
+        with self._newest.lock:
+            for number, text in list(programs.reports):
+                if number > self._reported:
+                    self._reported = number
+                    self._put(Event(text, source="assistant"), self._seconds(time.monotonic_ns()))
+        program = programs.current
         if program is None:
             return
         with self._newest.lock:

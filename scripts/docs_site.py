@@ -45,6 +45,7 @@ NEEDS_KERNEL = {
 """Widgets that need answers of Python. They keep their pictures, like widgets without a script."""
 
 NOT_IN_BROWSER = {
+    "assistants",
     "connect",
     "feeds",
     "hosts",

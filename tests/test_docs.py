@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -201,6 +202,15 @@ def test_the_site_leads_to_every_page_of_the_documentation() -> None:
     config = (ROOT / "scripts" / "zensical.toml").read_text("utf-8")
     pages = {str(path.relative_to(ROOT / "docs")) for path in ROOT.glob("docs/**/*.md")} - {"README.md"}
     assert sorted(pages - set(re.findall(r'"([^"]+\.md)"', config))) == []
+
+
+def test_what_assistants_read_is_made_from_the_index_of_the_docs() -> None:
+    made = runpy.run_path(str(ROOT / "scripts" / "for_assistants.py"))["FILES"]
+    assert len(made) == 2
+    for path, text in made.items():
+        assert path.read_text(encoding="utf-8") == text(), f"{path.name}: run python scripts/for_assistants.py"
+        local = re.findall(r"\]\((docs/[^)#]+)", text())
+        assert [link for link in local if not (ROOT / link).exists()] == []
 
 
 def test_the_page_on_a_new_sensor_shows_the_code_that_the_tests_build() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextvars import copy_context
+from itertools import count
 from typing import Any
 from weakref import WeakSet
 
@@ -20,6 +21,9 @@ from .robot import DrivenRobot
 from .variables import Variables
 from .version import RATE, Version, to_rate
 
+MAX_REPORTS = 100
+"""The number of reports that are kept for observers."""
+
 
 class Programs(Observed):
     """The programs of one robot. Only one of them drives the robot at a time.
@@ -30,6 +34,7 @@ class Programs(Observed):
     Attributes:
         variables: the values that the user sets while a program runs.
         current: the program that drives, or None before the first program.
+        reports: the newest texts of `report`, each with its number.
     """
 
     def __init__(self, robot: DrivenRobot) -> None:
@@ -40,6 +45,8 @@ class Programs(Observed):
         self.lines: LineWatch | None = None
         """Notes the values of the lines of each step, for the widgets that show them; None without any."""
         self._known: dict[str, Program] = {}
+        self.reports: deque[tuple[int, str]] = deque(maxlen=MAX_REPORTS)
+        self._report_numbers = count()
 
     def install(
         self, function: Callable[..., Any], rate: float | None, on: str | None, topics: Mapping[str, str]
@@ -101,6 +108,11 @@ class Programs(Observed):
             self.lines = None
             for program in list(self._known.values()):
                 program.lines = None
+
+    def report(self, text: str) -> None:
+        """Report a command of an assistant, or its end, to lists of events and to recorders."""
+        self.reports.append((next(self._report_numbers), text))
+        self._call_observers()
 
     def close(self) -> None:
         """End the program."""

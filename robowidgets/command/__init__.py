@@ -18,6 +18,7 @@ from . import _lab, _lessons, _notebooks
 from ._error import CommandError
 from ._export import add_export, export
 from ._find import INTERRUPTED, add_find, add_topics, find, readable
+from ._mcp import add_mcp, serve
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -116,6 +117,10 @@ def _write_repaired(arguments: argparse.Namespace) -> None:
 
 def _write_page(arguments: argparse.Namespace) -> None:
     _say(export(arguments, _warn))
+
+
+def _serve_assistants(arguments: argparse.Namespace) -> None:
+    serve(arguments, _warn)
 
 
 def _do_lessons(arguments: argparse.Namespace) -> int:
@@ -245,6 +250,15 @@ def _parser() -> argparse.ArgumentParser:
     )
     add_export(page)
     page.set_defaults(do=_write_page, failed=2)
+
+    assistants = commands.add_parser(
+        "mcp",
+        help="let an assistant see recordings and a robot, by the Model Context Protocol",
+        description="Serve recordings and a robot to an assistant, over stdin and stdout, or over HTTP with a token.",
+        epilog="It only looks, unless --drive lets it drive.",
+    )
+    add_mcp(assistants)
+    assistants.set_defaults(do=_serve_assistants, failed=2)
 
     of_file = "a .bag, .db3, .mcap, a rosbag2 folder, a CARMEN log (.log, .clf, gzipped too), or its URL"
     for command in (show, mend, page):

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-import operator
 import os
-import re
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from functools import reduce
 from math import degrees
 from operator import and_, or_
@@ -21,6 +18,7 @@ from ..files.remote import is_url
 from ..laser.row import LASER
 from ..recordings.search import conditions
 from ..recordings.search.base import Condition
+from ..recordings.search.comparison import compared
 from ..recordings.search.spans import Spans
 from ..recordings.topics import UnnamedTopicError
 from ..samples.checks import DEGREES, OF_DEGREES
@@ -28,11 +26,6 @@ from ..samples.sector import ALL_ROUND, SECTORS, SectorLike, to_sector
 from ..speed.row import SPEED
 from ..touch.row import TOUCH
 from ._error import CommandError
-
-_SIGNS = {
-    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq, "!=": operator.ne,
-}  # fmt: skip
-_COMPARISON = re.compile(r"\s*(?:abs\(\s*(\S+?)\s*\)|(\S+?))\s*(<=|>=|==|!=|<|>)\s*(\S.*?)\s*")
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
 
@@ -213,16 +206,10 @@ def condition(arguments: argparse.Namespace) -> Condition:
 
 
 def _compared(words: str) -> Condition:
-    """Return the condition of a comparison such as ``/imu.linear_acceleration.x > 12``."""
-    found = _COMPARISON.fullmatch(words)
-    if found is None:
-        raise CommandError(
-            f"find: --field: expected a comparison, such as '/imu.linear_acceleration.x > 12', got {words!r}"
-        )
-    size, name, sign, value = found.groups()
-    field = conditions.field(size or name)
-    compared: Condition = _SIGNS[sign](abs(field) if size else field, _value(value))
-    return compared
+    try:
+        return compared(words)
+    except ValueError as error:
+        raise CommandError(f"find: --field: {error}") from None
 
 
 def _labelled(name: str) -> Condition:
@@ -230,17 +217,6 @@ def _labelled(name: str) -> Condition:
         return conditions.label(name or None)
     except ValueError as error:  # it begins with "label: "
         raise CommandError(f"find: --{error}") from None
-
-
-def _value(word: str) -> Any:
-    """Return a word as a number, a flag, or a text without its quotes."""
-    with suppress(ValueError):
-        return int(word)
-    with suppress(ValueError):
-        return float(word)
-    if word.lower() in ("true", "false"):
-        return word.lower() == "true"
-    return word[1:-1] if word[0] == word[-1] and word[0] in "'\"" and len(word) > 1 else word
 
 
 def _check_used(arguments: argparse.Namespace) -> None:

@@ -71,6 +71,9 @@ _USER = object()
 PROGRAM = "program"
 """The driver if no press on a pad drives."""
 
+ASSISTANT = "assistant"
+"""The driver of a speed that a lease allows."""
+
 
 class RefusedError(Exception):
     """A speed that is not sent, for example because a hand drives, or after a standstill. The text gives the reason."""
@@ -87,6 +90,19 @@ class Request:
 
     done: bool = False
     error: BaseException | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Lease:
+    """The right of an assistant to drive by one command until a time, unless something stops the robot before.
+
+    Attributes:
+        ends: the time at which it ends.
+        stops: the number of stops of the watchdog when the command was given.
+    """
+
+    ends: float
+    stops: int
 
 
 class CommandWatchdog(Observed):
@@ -136,6 +152,8 @@ class CommandWatchdog(Observed):
         """The owners of a latched stop. `_USER` stands for `stopped`."""
         self._hand, self._hand_until = "", 0.0
         self._driver = ""
+        self._lease: Lease | None = None
+        """The lease of the newest command of an assistant."""
         self._entered: float | None = None
         self._is_logged = False
         """True if the log shows that the newest zero could not be sent."""
@@ -160,9 +178,37 @@ class CommandWatchdog(Observed):
 
     @property
     def driver(self) -> str:
-        """The driver: `PROGRAM`, the name of a press on a pad, or empty if nothing drives."""
+        """The driver: `PROGRAM`, `ASSISTANT`, the name of a press on a pad, or empty if nothing drives."""
         with self._lock:
             return self._hand_now() or (self._driver if self._clock.now() < self._expires else "")
+
+    @property
+    def lease_left(self) -> float:
+        """Seconds for which an assistant may go on driving, or 0 if it does not drive."""
+        with self._lock:
+            lease = self._lease
+            return lease.ends - self._clock.now() if lease is not None and self.driver == ASSISTANT else 0.0
+
+    def lend(self, seconds: float, stops: int) -> Lease:
+        """Allow an assistant to drive for some seconds, instead of its command before.
+
+        Args:
+            seconds: the duration.
+            stops: the value of `stops` when the command was given.
+        """
+        with self._lock:
+            self._lease = Lease(self._clock.now() + seconds, stops)
+            return self._lease
+
+    def end_lease(self, lease: Lease) -> bool:
+        """End a lease, and send zero if its assistant drives. Return False if it had ended before."""
+        with self._lock:
+            if self._lease is not lease:
+                return False
+            self._lease = None
+            if self._driver == ASSISTANT and self.owes_zero and not self._hand_now():
+                self._ask_for_zero()
+            return True
 
     @property
     def stopped(self) -> bool:
@@ -192,6 +238,7 @@ class CommandWatchdog(Observed):
         """Latch stop for an owner, and send zero only if one is owed."""
         with self._lock:
             self._latches.add(owner)
+            self._lease = None
             self._hand = ""  # after the release, the user must press the pad again
             if self.owes_zero:
                 self._ask_for_zero()
@@ -214,7 +261,7 @@ class CommandWatchdog(Observed):
         """
         with self._lock:
             self._check(hand, taking=True)
-            self._hand, self._hand_until = hand, self._clock.now() + HOLD
+            self._hand, self._hand_until, self._lease = hand, self._clock.now() + HOLD, None
             if self._zero_at is not None or self._wanted is not None:
                 self._ask_for_zero()
         self._call_observers()
@@ -230,14 +277,22 @@ class CommandWatchdog(Observed):
 
     # -- speeds --------------------------------------------------------------------------------------------------------
 
-    def drive(self, velocity: Velocity, hold: float = HOLD, driver: str = PROGRAM, stops: int | None = None) -> Request:
+    def drive(
+        self,
+        velocity: Velocity,
+        hold: float = HOLD,
+        driver: str = PROGRAM,
+        stops: int | None = None,
+        lease: Lease | None = None,
+    ) -> Request:
         """Send a speed, or renew it.
 
         Args:
             velocity: the speed.
             hold: seconds for which it is valid; at most `HOLD` for the speed of a press.
-            driver: `PROGRAM`, or the name of the press.
+            driver: `PROGRAM`, `ASSISTANT`, or the name of the press.
             stops: the value of `stops` when the caller began to wait with the speed, or None if it did not wait.
+            lease: the lease of the speed of an assistant, which is valid until its end at most.
 
         Returns:
             The request for `sent_in_time`. It is done already if the speed is sent later because another one was sent
@@ -245,7 +300,8 @@ class CommandWatchdog(Observed):
 
         Raises:
             RefusedError: a hand drives. Or, except for the zero of a program: stop is latched, the calling thread is
-                abandoned, this process stood still shortly before, or there was another stop since ``stops``.
+                abandoned, this process stood still shortly before, or there was another stop since ``stops``. An
+                assistant is also refused without its lease, while a program drives, and after a stop since its command.
         """
         if velocity == ZERO and driver == PROGRAM and not self._hand_now():
             with self._lock:
@@ -259,12 +315,17 @@ class CommandWatchdog(Observed):
             self._look()
             self._asked_at = self._clock.now()
             self._check(driver)
+            if driver == ASSISTANT:
+                lease = self._checked_lease(lease)
+                stops = lease.stops
             if stops not in (None, self.stops):
                 raise RefusedError("it was stopped meanwhile")
             now = self._clock.now()
             self._wanted, self._expires, self._driver = velocity, now + hold, driver
-            if driver == PROGRAM:
-                self.from_cell = is_main
+            if lease is not None:
+                self._expires, self.from_cell = min(self._expires, lease.ends), False
+            elif driver == PROGRAM:
+                self.from_cell, self._lease = is_main, None
             else:  # a page that is gone sends no release
                 self._expires = self._hand_until = now + min(hold, HOLD)
             request = Request()
@@ -392,8 +453,17 @@ class CommandWatchdog(Observed):
         if driver == PROGRAM and (why := why_refused(self)):
             raise RefusedError(why)
         hand = self._hand_now()
-        if driver != hand and not taking and (hand or driver != PROGRAM):
+        if driver != hand and not taking and (hand or driver not in (PROGRAM, ASSISTANT)):
             raise RefusedError("a hand drives from a pad" if hand else "the press on the pad is over")
+
+    def _checked_lease(self, lease: Lease | None) -> Lease:
+        """Return the lease of an assistant; RefusedError if it has ended, or if a program drives."""
+        now = self._clock.now()
+        if lease is None or lease is not self._lease or now >= lease.ends:
+            raise RefusedError("the lease has ended")
+        if self._driver == PROGRAM and now < self._expires:
+            raise RefusedError("a program drives")
+        return lease
 
     @property
     def _may_move(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterable
+from math import ceil
 from typing import Any, Protocol
 
 import traitlets
@@ -104,7 +105,8 @@ class DrivingWidget(NamedWidget):
     _owns = False
 
     _state = traitlets.Dict(
-        help="ready: true if there is something to drive; driver: 'program', the name of a press, or empty; speed: "
+        help="ready: true if there is something to drive; driver: 'program', 'assistant', the name of a press, or "
+        "empty; left: seconds for which an assistant may go on; speed: "
         "(m/s, rad/s, m/s to the left) sent last; stopped: true while stop is latched; error, cause, status, idle, "
         "topic, sender: texts; number: number of the message."
     ).tag(sync=True, echo_update=False)
@@ -244,6 +246,7 @@ class DrivingWidget(NamedWidget):
         return {
             "ready": self._is_ready,
             "driver": watchdog.driver,
+            "left": ceil(watchdog.lease_left),
             "speed": watchdog.sent,
             "stopped": watchdog.stopped,
             "error": self._error_text(),

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from .command_watchdog import HOLD, PROGRAM
+from .command_watchdog import ASSISTANT, HOLD, PROGRAM
 
 _ACTS = ("press", "hold", "release", "stop", "allow", "beat")
 _LONGEST_NAME = 64
@@ -40,7 +40,7 @@ def to_pad_message(content: Any) -> PadMessage:
     if message.act not in _ACTS:
         raise ValueError(f"act: expected {', '.join(_ACTS[:-1])} or {_ACTS[-1]}, got {message.act!r}")
     name = message.press
-    if not isinstance(name, str) or name in ("", PROGRAM) or len(name) > _LONGEST_NAME:
+    if not isinstance(name, str) or name in ("", PROGRAM, ASSISTANT) or len(name) > _LONGEST_NAME:
         raise ValueError(f"press: expected the name of a press, got {name!r}")
     if type(message.token) is not int:
         raise ValueError(f"token: expected a whole number, got {message.token!r}")

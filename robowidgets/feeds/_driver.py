@@ -10,7 +10,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
-from ..driving.command_watchdog import PROGRAM, ZERO, CommandWatchdog, RefusedError, Request, Velocity
+from ..driving.command_watchdog import (
+    ASSISTANT,
+    PROGRAM,
+    ZERO,
+    CommandWatchdog,
+    Lease,
+    RefusedError,
+    Request,
+    Velocity,
+)
 from ..runtime.log_once import call_in_thread
 from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
@@ -144,30 +153,35 @@ class Driver:
     def drive(self, wanted: Velocity) -> None:
         """See `Feed.drive`."""
         velocity, stops = self._within(wanted), self.watchdog.stops
-        self._connection.check_open()
-        self._await_guard()
-        self._connection.await_subscriber(self.topic)
-        if self._connected_by is None:
-            self._connected_by = self._clock.now() + CONNECT_TIMEOUT
-        try:
-            while not self._try_drive(velocity, stops):
-                self._connection.wait_until(lambda: False, RETRY_PAUSE)
-        finally:
-            self._log_status()
+        self._await_robot()
+        self._send_soon(velocity, stops)
 
     def drive_by_program(self, linear: float, angular: float, lateral: float) -> str:
         """Publish the speed of a program's step without waiting. Return why it was not sent, or empty if it was.
 
         It also returns the error of an earlier speed, because another thread sends this one.
         """
+        return self._drive_now(Velocity(linear, angular, lateral))
+
+    def drive_by_assistant(self, wanted: Velocity, seconds: float) -> Lease:
+        """Publish the first speed of an assistant's command, and return the lease with which `renew` repeats it.
+
+        Raises:
+            FeedError: as `Feed.drive`, or a program drives.
+        """
+        velocity, stops = self._within(wanted), self.watchdog.stops
+        self._await_robot()
+        lease = self.watchdog.lend(seconds, stops)
         try:
-            self._request(self._within(Velocity(linear, angular, lateral)), PROGRAM)
-        except FeedError as error:
-            return str(error)
-        finally:
-            self._log_status()
-        error_before = self.watchdog.error
-        return "" if error_before is None else f"cannot drive: {self._connection.status or error_before}"
+            self._send_soon(velocity, stops, lease)
+        except BaseException:
+            self.watchdog.end_lease(lease)
+            raise
+        return lease
+
+    def renew(self, wanted: Velocity, lease: Lease) -> str:
+        """Publish the speed of an assistant again, as `drive_by_program`."""
+        return self._drive_now(wanted, lease)
 
     def drive_by_hand(self, wanted: Velocity, press: str) -> None:
         """Publish the speed of a press on a pad without waiting. Raises as `Feed.drive`."""
@@ -239,17 +253,44 @@ class Driver:
         self._status.unheard[topic] = reason
         return is_new
 
+    def _await_robot(self) -> None:
+        """Wait until the guard can send a speed, and a moment for a subscriber."""
+        self._connection.check_open()
+        self._await_guard()
+        self._connection.await_subscriber(self.topic)
+        if self._connected_by is None:
+            self._connected_by = self._clock.now() + CONNECT_TIMEOUT
+
+    def _send_soon(self, velocity: Velocity, stops: int, lease: Lease | None = None) -> None:
+        """Send a speed, again and again while a subscriber is connecting."""
+        try:
+            while not self._try_drive(velocity, stops, lease):
+                self._connection.wait_until(lambda: False, RETRY_PAUSE)
+        finally:
+            self._log_status()
+
+    def _drive_now(self, wanted: Velocity, lease: Lease | None = None) -> str:
+        """Send a speed without waiting. Return why it, or the speed before, was not sent, or empty."""
+        try:
+            self._request(self._within(wanted), PROGRAM, lease=lease)
+        except FeedError as error:
+            return str(error)
+        finally:
+            self._log_status()
+        error_before = self.watchdog.error
+        return "" if error_before is None else f"cannot drive: {self._connection.status or error_before}"
+
     def _within(self, wanted: Velocity) -> Velocity:
         velocity = self._driving.within(wanted)
         self._status.cut = "" if velocity == wanted else self._driving.cut(wanted)
         return velocity
 
-    def _try_drive(self, velocity: Velocity, stops: int) -> bool:
-        """Send the speed of a program. Return False if it must be sent again because a subscriber is connecting.
+    def _try_drive(self, velocity: Velocity, stops: int, lease: Lease | None) -> bool:
+        """Send the speed of a program or an assistant. Return False if it must be sent again for a new subscriber.
 
         It is refused if it was stopped while it waited, since the stop number ``stops``.
         """
-        request = self._request(velocity, PROGRAM, stops)
+        request = self._request(velocity, PROGRAM, stops, lease)
         try:
             self.watchdog.sent_in_time(request)
         except (FeedError, OSError) as error:
@@ -273,7 +314,9 @@ class Driver:
             return False
         return True
 
-    def _request(self, velocity: Velocity, driver: str, stops: int | None = None) -> Request:
+    def _request(
+        self, velocity: Velocity, driver: str, stops: int | None = None, lease: Lease | None = None
+    ) -> Request:
         """Check a speed and request it from the watchdog. Raise FeedError if a check fails."""
         self._connection.check_open()
         if self._connection.status and not self._is_reached_by_guard:
@@ -291,7 +334,8 @@ class Driver:
                     "one; while a cell runs, only ipykernel 7 or later receives messages of the page"
                 )
             try:
-                return self.watchdog.drive(velocity, self._driving.hold, driver, stops)
+                by = driver if lease is None else ASSISTANT
+                return self.watchdog.drive(velocity, self._driving.hold, by, stops, lease)
             except RefusedError as error:
                 raise FeedError(f"cannot drive: {error}") from None
 

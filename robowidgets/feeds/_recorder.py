@@ -16,7 +16,7 @@ from ..messages.infrastructure import is_infrastructure
 from ..notebook.cells import take_the_place
 from ..recordings.gaps import Gaps
 from ..recordings.live_writer import LiveWriter
-from ..recordings.program_log import PROGRAM, TEXT, program_text, state_topic
+from ..recordings.program_log import ASSISTANT, PROGRAM, TEXT, program_text, state_topic
 from ..runtime.coalesced_call import CoalescedCall
 from ..runtime.output_file import checked_output
 from ..runtime.text import many
@@ -58,6 +58,8 @@ class Recorder:
         """By topic, the number of messages that did not arrive here."""
         # A simulated robot and a recording lose no messages in transit.
         self._gaps: dict[str, Gaps] | None = {} if isinstance(connection.middleware, HasOutlet) else None
+        self._reported = max((number for number, _ in connection.programs.reports), default=-1)
+        """The number of the last report that was recorded, or that came before."""
         self._version: Version | None = None
         self._states: dict[str, str] = {}
         self._lock = threading.Lock()
@@ -179,9 +181,17 @@ class Recorder:
         self._missed[name] += count
 
     def _on_step(self) -> None:
-        """Record a new version of the program, and changes of its states."""
-        program = self._connection.programs.current
-        if program is None or self._closed:
+        """Record commands of assistants, a new version of the program, and changes of its states."""
+        if self._closed:
+            return
+        programs = self._connection.programs
+        with self._lock:
+            for number, text in list(programs.reports):
+                if number > self._reported:
+                    self._reported = number
+                    self._put_text(ASSISTANT, self._writer.now_ns(), text)
+        program = programs.current
+        if program is None:
             return
         with self._lock:
             version, states = program.version, {}

@@ -14,6 +14,9 @@ from ..samples.state_span import StateSpan
 
 TEXT = "std_msgs/msg/String"
 PROGRAM = "/robowidgets/program"
+ASSISTANT = "/robowidgets/assistant"
+"""The topic with the commands of assistants."""
+
 STATES = "/robowidgets/states/"
 """The start of the topic names, followed by the path of a machine such as ``Walker/avoid``; an empty text means not
 active."""

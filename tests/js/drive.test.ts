@@ -195,6 +195,11 @@ test("another driver is named", () => {
     hint: "press to take over",
     kind: "rest",
   });
+  assert.deepEqual(say("free", { driver: "assistant" }), {
+    text: "an assistant drives",
+    hint: "press to take over",
+    kind: "rest",
+  });
   assert.equal(say("free", { driver: "other-1" }).text, "driven from another pad");
   assert.equal(say("free", { driver: "pad-1" }).text, "stopped");
   assert.equal(say("taken", { driver: "other-1" }).text, "driven from another pad");

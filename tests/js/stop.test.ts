@@ -190,6 +190,10 @@ test("the bar shows the driver and the speed", () => {
   const speed = "0.20\u00A0m/s,\u00A0\u22120.50\u00A0rad/s";
   assert.equal(say({ driver: "program", speed: [0.2, -0.5, 0] }).text, `a program drives /cmd_vel: ${speed}`);
   assert.equal(say({ driver: "program", speed: [0.2, -0.5, 0], topic: "" }).text, `a program drives: ${speed}`);
+  assert.equal(
+    say({ driver: "assistant", left: 4, speed: [0.2, -0.5, 0] }).text,
+    `an assistant drives /cmd_vel: ${speed}, 4\u00A0s left`,
+  );
   assert.equal(say({ driver: "p", speed: [0.2, -0.5, 0] }).text, `a hand drives /cmd_vel from a pad: ${speed}`);
   const [left, right] = [0.07, -0.07].map(
     (lateral) => say({ driver: "program", topic: "", speed: [0.2, 0, lateral] }).text,

@@ -33,7 +33,8 @@ ABOVE = ("rooms", "screens", "export", "feeds", "_plot", "_compare", "recording"
 
 LEAVES = {
     "lessons": {"__init__", "command"},
-    "fleet": {"__init__", "command"},
+    "fleet": {"__init__", "assistants", "command"},
+    "assistants": {"__init__", "command"},
     "command": {"__main__"},
 }
 """Parts that only these other parts may import."""

@@ -1,6 +1,8 @@
 import { isMoving, rest, type Situation, type Text, toStopText, warn } from "../shared/driving/text.ts";
 import type { State } from "./press.ts";
 
+/** The drivers without a hand. */
+const DRIVERS: Partial<Record<string, string>> = { program: "a program", assistant: "an assistant" };
 const AGAIN = "let go and press again";
 
 /** The texts of a pad whose press is in a state. */
@@ -9,8 +11,9 @@ export function toText(situation: Situation, lease: { state: State; press: strin
   if (stop) return stop;
   const { told, hears } = situation;
   const { state } = lease;
-  const isProgram = told.driver === "program";
-  const now = isProgram ? "a program drives" : isMoving(told) ? "stopping" : "stopped";
+  const other = DRIVERS[told.driver];
+  const isProgram = other !== undefined;
+  const now = isProgram ? `${other} drives` : isMoving(told) ? "stopping" : "stopped";
   const then = isProgram ? `; ${now}` : `: ${now}`;
   if (state === "driving") return { text: "driving", hint: "", kind: "drive" };
   if (state === "silent") return warn(`kernel busy${then}`, "it does not answer");

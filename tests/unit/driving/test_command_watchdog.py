@@ -12,6 +12,7 @@ from itertools import pairwise
 import pytest
 
 from robowidgets.driving.command_watchdog import (
+    ASSISTANT,
     HOLD,
     INTERVAL,
     PROGRAM,
@@ -537,3 +538,68 @@ def test_the_end_of_the_process_sends_zero(tmp_path: object) -> None:
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.3", "0.0"], "")
+
+
+def test_the_speed_of_an_assistant_ends_with_its_lease_however_often_it_is_renewed(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink]
+) -> None:
+    watchdog, sink = timed
+    lease = watchdog.lend(1.0, watchdog.stops)
+    for _ in range(5):
+        watchdog.drive(FORWARD, driver=ASSISTANT, lease=lease)
+        assert (watchdog.driver, watchdog.lease_left > 0) == (ASSISTANT, True)
+        clock.advance(0.2)
+    assert (sink.speeds[-1], sink.got[-1][0]) == (ZERO, lease.ends)
+    assert (watchdog.driver, watchdog.lease_left) == ("", 0.0)
+    with pytest.raises(RefusedError, match="the lease has ended"):
+        watchdog.drive(FORWARD, driver=ASSISTANT, lease=lease)
+
+
+@pytest.mark.parametrize(
+    ("act", "why"),
+    [
+        (lambda watchdog: watchdog.stop(), "it was stopped meanwhile"),
+        (lambda watchdog: watchdog.take("hand"), "a hand drives from a pad"),
+        (lambda watchdog: (watchdog.take("hand"), watchdog.let_go("hand")), "the lease has ended"),
+        (lambda watchdog: setattr(watchdog, "stopped", True), "stop is latched"),
+        (
+            lambda watchdog: (setattr(watchdog, "stopped", True), setattr(watchdog, "stopped", False)),
+            "the lease has ended",
+        ),
+        (lambda watchdog: watchdog.drive(LEFT), "the lease has ended"),
+        (lambda watchdog: watchdog.drive(ZERO), "it was stopped meanwhile"),
+        (lambda watchdog: watchdog.lend(9.0, watchdog.stops), "the lease has ended"),
+    ],
+    ids=["stop", "hand", "hand let go", "latch", "latch released", "program", "zero of a program", "next command"],
+)
+def test_whatever_a_person_does_ends_the_lease_of_an_assistant(
+    act: Callable[[CommandWatchdog], object], why: str, timed: tuple[CommandWatchdog, Sink]
+) -> None:
+    watchdog, _ = timed
+    lease = watchdog.lend(60.0, watchdog.stops)
+    watchdog.sent_in_time(watchdog.drive(FORWARD, driver=ASSISTANT, lease=lease))
+    act(watchdog)
+    with pytest.raises(RefusedError, match=why):
+        watchdog.drive(FORWARD, driver=ASSISTANT, lease=lease)
+
+
+def test_an_assistant_cannot_take_over_from_a_program(timed: tuple[CommandWatchdog, Sink]) -> None:
+    watchdog, _ = timed
+    drive(watchdog, FORWARD)
+    with pytest.raises(RefusedError, match="a program drives"):
+        watchdog.drive(LEFT, driver=ASSISTANT, lease=watchdog.lend(5.0, watchdog.stops))
+    assert watchdog.driver == PROGRAM
+
+
+def test_the_end_of_a_lease_sends_zero_and_that_of_an_earlier_one_does_nothing(
+    clock: ManualClock, timed: tuple[CommandWatchdog, Sink]
+) -> None:
+    watchdog, sink = timed
+    before, lease = (watchdog.lend(60.0, watchdog.stops) for _ in range(2))
+    watchdog.drive(FORWARD, 60.0, driver=ASSISTANT, lease=lease)
+    clock.advance(INTERVAL)
+    assert not watchdog.end_lease(before)
+    assert sink.speeds == [FORWARD]
+    assert watchdog.end_lease(lease)
+    clock.advance(INTERVAL)
+    assert sink.speeds == [FORWARD, ZERO]

@@ -751,6 +751,7 @@ class TestProgram:
         assert state == {
             "ready": True,
             "driver": "",
+            "left": 0,
             "speed": Velocity(),
             "lateral_limit": 0.0,
             "stopped": False,

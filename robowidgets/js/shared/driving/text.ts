@@ -54,6 +54,8 @@ export function toDriverText(situation: Situation): Text {
   if (!told.ready) return rest(told.cause || "no feed", hint);
   const topic = told.topic && ` ${told.topic}`;
   if (told.driver === "program") return { text: `a program drives${topic}: ${toSpeed(told)}`, hint, kind: "drive" };
+  if (told.driver === "assistant")
+    return { text: `an assistant drives${topic}: ${toSpeed(told)}, ${told.left}\u00A0s left`, hint, kind: "drive" };
   if (told.driver) return { text: `a hand drives${topic} from a pad: ${toSpeed(told)}`, hint, kind: "drive" };
   return rest(isMoving(told) ? "stopping" : told.idle || "nobody drives", hint);
 }

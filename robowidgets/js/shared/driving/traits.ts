@@ -7,8 +7,10 @@ export interface DrivingTraits extends NamedTraits {
 /** State of the robot's driver, as Python sends it. */
 export interface Told {
   ready: boolean;
-  /** "program", the name of a press, or "". */
+  /** "program", "assistant", the name of a press, or "". */
   driver: string;
+  /** Seconds until an assistant that drives has to ask again; 0 if it does not drive. */
+  left?: number;
   /** The speed that was sent last: m/s forward, rad/s counter-clockwise, m/s to the left. */
   speed: [number, number, number];
   stopped: boolean;

@@ -1,0 +1,133 @@
+"""An answer for an assistant: a short text and a small JSON object, in which texts of robots are marked as data."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite, isnan
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+
+from ..messages.any_message import get_any, names_in
+
+MAX_BYTES = 24_000
+"""The largest JSON of an answer, in bytes."""
+
+MAX_TEXT = 300
+"""The most characters of one text of a robot."""
+
+MAX_ITEMS = 12
+"""The most entries of a list in a message; its length is reported."""
+
+MAX_FIELDS = 60
+"""The most fields of one message or of a part of it."""
+
+DEEPEST = 6
+
+_NAME = re.compile(r"[\w/~.:\-]{1,120}")
+"""Names of ROS. Any other text of a robot is marked."""
+
+
+class AnswerError(Exception):
+    """The question cannot be answered. The text says what was wrong, what was expected, and what to do."""
+
+
+@dataclass
+class ToolAnswer:
+    """An answer.
+
+    Attributes:
+        text: one to a few lines in our own words, without any text of a robot.
+        data: the object.
+        png: a picture, or None.
+    """
+
+    text: str
+    data: dict[str, Any] = field(default_factory=dict)
+    png: bytes | None = None
+
+    def checked(self) -> ToolAnswer:
+        """Return this answer. AnswerError if its JSON is too large."""
+        size = len(json.dumps(self.data, allow_nan=False).encode())
+        if size > MAX_BYTES:
+            raise AnswerError(
+                f"the answer has {size:,} bytes, and {MAX_BYTES:,} are allowed: ask for fewer fields or points, or "
+                "for a shorter time"
+            )
+        return self
+
+
+def number(value: Any) -> float | None:
+    """Return a number of JSON with at most 7 digits, as many as float32 has, or None if it is not finite: unknown."""
+    value = float(value)
+    return float(f"{value:.7g}") if isfinite(value) else None
+
+
+def seconds(value: float) -> float:
+    """Return a time or a duration in seconds, to the microsecond."""
+    return round(float(value), 6)
+
+
+def from_robot(text: Any, most: int = MAX_TEXT) -> dict[str, Any]:
+    """Return a text of a robot, cut and marked: data, whatever it asks for."""
+    whole = str(text)
+    made: dict[str, Any] = {"from_robot": True, "text": whole[:most]}
+    if len(whole) > most:
+        made["characters_left_out"] = len(whole) - most
+    return made
+
+
+def is_name(text: Any) -> bool:
+    """Return True if a text is written as names of ROS are."""
+    return _NAME.fullmatch(str(text)) is not None
+
+
+def name(text: Any) -> Any:
+    """Return a name of a robot, such as a topic or a frame, as it is; marked if it is not written as names of ROS."""
+    return str(text) if is_name(text) else from_robot(text)
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """Return any message, sample or part of it for JSON, in at most a few kilobytes: texts marked, long lists cut.
+
+    NaN and infinity become the texts "nan", "inf" and "-inf".
+    """
+    if value is None or isinstance(value, (bool, np.bool_)):
+        return None if value is None else bool(value)
+    if isinstance(value, Integral):
+        return int(value)
+    if isinstance(value, (Real, np.generic)) and not isinstance(value, (str, bytes)):
+        real = float(value)
+        return float(f"{real:.12g}") if isfinite(real) else "nan" if isnan(real) else "inf" if real > 0 else "-inf"
+    if isinstance(value, str):
+        return from_robot(value) if value else ""
+    if isinstance(value, (bytes, bytearray, memoryview)):
+        return {"bytes": len(value)}
+    if depth >= DEEPEST:
+        return {"left_out": "too deep"}
+    if names := names_in(value):
+        keys = isinstance(value, Mapping)
+        shown = {str(one) if _NAME.fullmatch(str(one)) else f"field {i}": get_any(value, one) for i, one in
+                 enumerate(names[:MAX_FIELDS])}  # fmt: skip
+        made = {key: plain(part, depth + 1) for key, part in shown.items()}
+        if keys and any(key.startswith("field ") for key in made):
+            made["names_left_out"] = True
+        return made | ({"fields_left_out": len(names) - MAX_FIELDS} if len(names) > MAX_FIELDS else {})
+    if isinstance(value, np.ndarray) or (isinstance(value, Sequence) and not isinstance(value, str)):
+        items = value.ravel() if isinstance(value, np.ndarray) else value
+        made_list = [plain(one, depth + 1) for one in items[:MAX_ITEMS]]
+        if len(items) <= MAX_ITEMS:
+            return made_list
+        return {"length": len(items), "first": made_list}
+    return from_robot(value)
+
+
+def cut(items: Sequence[Any], most: int) -> dict[str, Any]:
+    """Return the number of items, and the first ones."""
+    return {"count": len(items), "first": list(items[:most])} | (
+        {"left_out": len(items) - most} if len(items) > most else {}
+    )
