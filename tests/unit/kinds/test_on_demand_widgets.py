@@ -20,7 +20,7 @@ from robowidgets.recording import Recording
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.screens.player import Player
 
-from ...fourth_kind.on_demand import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
+from ...more_rows.on_demand import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
 from ..feeds.scripted import IMU, ODOM, SCAN, Scripted
 from ..recordings import recorded
 from ..recordings.sweeps import TYPE as LASER_SCAN

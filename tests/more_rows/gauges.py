@@ -1,24 +1,41 @@
-"""Numbers that share one widget: what their row adds to the row of a single topic."""
+"""Gauges: numbers of a namespace that share one widget."""
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
 from robowidgets import kinds
 from robowidgets.kinds import KINDS, Kind, Role
+from robowidgets.messages.fields import describe, get, has, stamp_ns, unwrap
 from robowidgets.samples import HasAge
 from robowidgets.simulator import Robot
 from robowidgets.simulator.offers import Offer
 from robowidgets.widget.robot_widget import RobotWidget
 
-from .number import NUMBER, Number, to_number
-
 FLOAT64 = "std_msgs/msg/Float64"
+
+
+@dataclass(frozen=True)
+class Number(HasAge):
+    """One number."""
+
+    value: float
+    stamp_ns: int | None = None
+
+
+def to_number(message: Any) -> Number:
+    """Return the number in a Float64; return a `Number` as it is."""
+    message = unwrap(message)
+    if isinstance(message, Number):
+        return message
+    if not has(message, "data"):
+        raise TypeError(f"expected a message like std_msgs/Float64, got {describe(message)}")
+    return Number(float(get(message, "data")), stamp_ns(message))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,14 +96,15 @@ def simulated(robot: Robot) -> list[Offer]:
     ]
 
 
-GAUGE = replace(
-    NUMBER,
+GAUGE = Kind(
     name="gauge",
     sample_name="gauge",
     noun="gauges",
+    sample=Number,
+    read=to_number,
     types=frozenset({FLOAT64}),
-    undecided=frozenset(),
     widget=lambda: GaugesWidget,
+    nothing=Number(float("nan")),
     roles=(Role(name="gauges", combine=Numbers),),
     to_message=lambda: lambda number, _time_ns, _type: (FLOAT64, {"data": number.value}),
     simulated=simulated,
