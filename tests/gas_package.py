@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import subprocess
@@ -17,6 +16,7 @@ from robowidgets.kinds import KINDS, ROOMS, add_installed
 from robowidgets.messages import definitions
 
 from .conftest import ROOT
+from .node import ENVIRONMENT
 from .unit.recordings import recorded
 from .unit.recordings.recorded import START_NS, stamped
 
@@ -30,9 +30,8 @@ SAYS = {0: "warming up", 2: "ok"}
 
 def build(folder: Path) -> Path:
     """Build the front end into a folder, with the command of the page."""
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     command = ["node", "build.mjs", PACKAGE / "js", folder]
-    subprocess.run(command, cwd=ROOT / "robowidgets" / "js", env={**os.environ, "PATH": path}, check=True)
+    subprocess.run(command, cwd=ROOT / "robowidgets" / "js", env=ENVIRONMENT, check=True)
     return folder
 
 
