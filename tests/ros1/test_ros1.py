@@ -28,6 +28,7 @@ from robowidgets.feeds.middleware import SEND_TIMEOUT, Advert, FeedError
 
 from ..conftest import ROOT
 from ..unit.feeds.ears import Ears
+from ..unit.pages import synced
 from ..unit.waiting import wait_for
 from .conftest import PACKAGES, PYTHON
 
@@ -108,7 +109,7 @@ def test_scans_and_speeds_arrive_and_are_listed(feed, publish):
     wait_for(lambda: rays(laser) == 7, "a scan comes")
     wait_for(lambda: speed.speed is not None, "a speed comes")
     assert speed.speed.values[0] == 0.25
-    wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
+    wait_for(lambda: synced(laser, "_source")["status"] == "", "nothing is left to say")
 
     def listed() -> list[Any]:
         return [(topic.type, topic.offered, topic.wanted) for topic in feed.topics if topic.name == "/one/scan"]
@@ -122,7 +123,7 @@ def test_messages_of_a_package_that_is_not_installed_are_read_by_the_definition_
     publish("/two/scan", "sweep", 6)
     wait_for(lambda: rays(laser) == 6, "a sweep comes")
     # A message may come before the state of the master that lists its topic.
-    wait_for(lambda: laser._source["type"] == "acme_msgs/msg/Sweep", "the widget names the type")
+    wait_for(lambda: synced(laser, "_source")["type"] == "acme_msgs/msg/Sweep", "the widget names the type")
 
 
 def test_a_publisher_that_was_killed_and_comes_back_is_heard_again(feed, publish):
@@ -131,19 +132,21 @@ def test_a_publisher_that_was_killed_and_comes_back_is_heard_again(feed, publish
     publisher = publish("/three/scan", "scan", 5)
     wait_for(lambda: rays(laser) == 5, "a scan comes")
     publisher.kill()
-    wait_for(lambda: "rosnode cleanup" in laser._source["status"], "the widget says that its publisher has gone")
-    assert laser._source["status"].startswith("/three/scan is published, but its node /scan_")
+    wait_for(
+        lambda: "rosnode cleanup" in synced(laser, "_source")["status"], "the widget says that its publisher has gone"
+    )
+    assert synced(laser, "_source")["status"].startswith("/three/scan is published, but its node /scan_")
     publish("/three/scan", "scan", 9)
     wait_for(lambda: rays(laser) == 9, "a scan of the next one comes")
-    wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
+    wait_for(lambda: synced(laser, "_source")["status"] == "", "nothing is left to say")
 
 
 def test_a_publisher_that_cannot_be_reached_by_the_name_it_gave_the_master_is_reported(feed, publish):
     laser = LaserWidget()
     feed.connect("/far/scan", laser)
     publish("/far/scan", "scan", ROS_HOSTNAME="robot.invalid")
-    wait_for(lambda: "cannot be reached at robot.invalid:" in laser._source["status"], "the widget says so")
-    assert laser._source["status"].endswith("set ROS_IP where it runs")
+    wait_for(lambda: "cannot be reached at robot.invalid:" in synced(laser, "_source")["status"], "the widget says so")
+    assert synced(laser, "_source")["status"].endswith("set ROS_IP where it runs")
 
 
 def test_another_program_at_the_address_of_a_publisher_that_has_gone_is_not_taken_for_it(feed, publish, master):
@@ -154,10 +157,10 @@ def test_another_program_at_the_address_of_a_publisher_that_has_gone_is_not_take
         known.register_publisher("/gone", topic, "sensor_msgs/LaserScan", f"http://{address}")
         feed.connect(topic, laser)
         words = f"{topic} is published, but its node /gone cannot be reached at {address} (no answer within 1.5 s)"
-        wait_for(lambda: laser._source["status"].startswith(words), "the widget says so")
+        wait_for(lambda: synced(laser, "_source")["status"].startswith(words), "the widget says so")
         publish(topic, "scan", 5)
         wait_for(lambda: rays(laser) == 5, "a scan of a publisher comes that is there")
-        wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
+        wait_for(lambda: synced(laser, "_source")["status"] == "", "nothing is left to say")
 
 
 def test_data_still_come_when_the_master_is_lost_and_the_widget_says_both(feed, publish, master):
@@ -168,22 +171,24 @@ def test_data_still_come_when_the_master_is_lost_and_the_widget_says_both(feed, 
     wait_for(lambda: rays(laser) == 5, "a scan comes")
     master.kill()
     try:
-        wait_for(lambda: laser._source["status"] == "master lost; data still come", "the widget says so")
+        wait_for(lambda: synced(laser, "_source")["status"] == "master lost; data still come", "the widget says so")
         came = laser.scan
         wait_for(lambda: laser.scan is not came, "a scan comes without a master")
-        assert laser._source["status"] == "master lost; data still come"
+        assert synced(laser, "_source")["status"] == "master lost; data still come"
         assert not feed.status
-        wait_for(lambda: "master lost, trying again: " in other._source["status"], "the other widget says so")
-        assert f"no ROS master at http://127.0.0.1:{master.port}" in other._source["status"]
+        wait_for(
+            lambda: "master lost, trying again: " in synced(other, "_source")["status"], "the other widget says so"
+        )
+        assert f"no ROS master at http://127.0.0.1:{master.port}" in synced(other, "_source")["status"]
         publisher.kill()
         wait_for(lambda: f"no ROS master at http://127.0.0.1:{master.port}" in feed.status, "now nothing is left")
-        assert "is roscore running, and ROS_MASTER_URI right?" in laser._source["status"]
+        assert "is roscore running, and ROS_MASTER_URI right?" in synced(laser, "_source")["status"]
     finally:
         master.start()
     wait_for(lambda: not feed.status, "the feed is connected again")
     publish("/four/scan", "scan", 8)
     wait_for(lambda: rays(laser) == 8, "a scan of a publisher comes that only the new master knows")
-    wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
+    wait_for(lambda: synced(laser, "_source")["status"] == "", "nothing is left to say")
 
 
 def test_a_master_that_is_restarted_while_data_come_hears_of_us_again(feed, publish, master):
@@ -192,7 +197,7 @@ def test_a_master_that_is_restarted_while_data_come_hears_of_us_again(feed, publ
     publish("/again/scan", "scan", 5)
     wait_for(lambda: rays(laser) == 5, "a scan comes")
     master.kill()
-    wait_for(lambda: laser._source["status"], "the widget says that the master is lost")
+    wait_for(lambda: synced(laser, "_source")["status"], "the widget says that the master is lost")
     master.start()
     publish("/again/scan", "scan", 8)
     wait_for(lambda: rays(laser) == 8, "a scan of a publisher comes that only the new master knows")
@@ -221,11 +226,11 @@ def test_messages_that_cannot_be_read_are_reported_and_the_next_good_one_is_show
     feed.connect(topic, laser)
     publisher = publish(topic, what)
     words = f"{topic}: a message of it cannot be read: "
-    wait_for(lambda: laser._source["status"].startswith(words), "the widget says that they cannot be read")
+    wait_for(lambda: synced(laser, "_source")["status"].startswith(words), "the widget says that they cannot be read")
     publisher.kill()
     publish(topic, "sweep" if what == "cut_sweep" else "scan", 4)
     wait_for(lambda: rays(laser) == 4, "a good scan comes")
-    wait_for(lambda: laser._source["status"] == "", "nothing is left to say")
+    wait_for(lambda: synced(laser, "_source")["status"] == "", "nothing is left to say")
 
 
 @pytest.mark.parametrize(
@@ -256,7 +261,9 @@ def test_two_publishers_with_different_geometry_are_reported(feed, publish):
     feed.connect("/seven/scan", laser)
     publish("/seven/scan", "scan", 5)
     publish("/seven/scan", "scan", 9)
-    wait_for(lambda: "two scanners take turns on this topic" in laser._source["status"], "the widget says so")
+    wait_for(
+        lambda: "two scanners take turns on this topic" in synced(laser, "_source")["status"], "the widget says so"
+    )
 
 
 class Robot(NamedTuple):

@@ -366,7 +366,7 @@ def test_what_piled_up_is_not_read_but_the_newest(ears: Ears, monkeypatch: pytes
         for i in range(50):
             server.log(1, cdr(distance=2.0 + i))
         sent = threading.Event()
-        server._loop.call_soon_threadsafe(sent.set)
+        server.loop.call_soon_threadsafe(sent.set)
         assert sent.wait(120)
         go_on.set()
         wait_for(lambda: float(ears.messages[-1][1].ranges[0]) == 51.0, "the newest came")

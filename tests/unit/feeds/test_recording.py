@@ -16,6 +16,7 @@ from robowidgets.feeds.replay import Played
 from robowidgets.recordings import RecordingData
 
 from ..clocks import ManualClock
+from ..pages import synced
 from ..recordings import recorded
 from ..recordings.test_definitions import unknown_recording
 from ..waiting import wait_for
@@ -43,9 +44,9 @@ def test_a_recording_is_played_to_its_end_at_any_speed(clock: ManualClock) -> No
         clock.advance(0.0501)
         assert got == [stamp for seconds, stamp in recorded if seconds <= 5.01]
         clock.advance(duration / 100 - 0.0502)
-        assert laser._source["status"] == ""
+        assert synced(laser, "_source")["status"] == ""
         clock.advance(0.0002)
-        assert laser._source["status"] == "sample.mcap is at its end"
+        assert synced(laser, "_source")["status"] == "sample.mcap is at its end"
     assert got == [stamp for _, stamp in recorded]
 
 

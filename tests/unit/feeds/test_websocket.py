@@ -166,7 +166,7 @@ def test_a_connection_that_is_cut_is_made_again_and_what_was_asked_for_comes(
 
 def test_the_farewell_of_a_robot_is_quoted(scanning: tuple[OldFoxglove, Foxglove], ears: Ears) -> None:
     server, _ = scanning
-    server._loop.call_soon_threadsafe(lambda: server.clients[0].close(1001, "battery\nlow"))
+    server.loop.call_soon_threadsafe(lambda: server.clients[0].close(1001, "battery\nlow"))
     wait_for(lambda: ears.lost, "it was lost")
     assert ears.lost == ["the connection ended: battery low"]
 
@@ -406,7 +406,7 @@ def hung(taking: tuple[OldFoxglove, Foxglove], clock: ManualClock) -> Iterator[t
     def send() -> None:
         while not over.wait(0.005):
             server.log(1, cdr())
-            server._loop.call_soon_threadsafe(answer, pings[-1])
+            server.loop.call_soon_threadsafe(answer, pings[-1])
 
     sending = threading.Thread(target=send)
     sending.start()
@@ -452,7 +452,7 @@ def test_a_robot_may_answer_only_the_last_of_several_pings(
         if opcode != PONG:
             return write(fin, opcode, data, *flags, **more)
         pings.append(data)
-        done = server._loop.create_future()
+        done = server.loop.create_future()
         done.set_result(None)
         return done
 
@@ -462,7 +462,7 @@ def test_a_robot_may_answer_only_the_last_of_several_pings(
     assert refusal(middleware, {"linear": {"x": 1.0}})
     monkeypatch.undo()
     assert len(set(pings)) > 1
-    server._loop.call_soon_threadsafe(pong_of(server), pings[-1])
+    server.loop.call_soon_threadsafe(pong_of(server), pings[-1])
     wait_for(lambda: not refusal(middleware, {"linear": {"x": 1.0}}), "a speed is sent")
 
 
@@ -687,7 +687,7 @@ def test_frames_that_wait_hold_up_every_other_call_in_the_thread_for_five_millis
         for _ in range(200):
             server.log(1, cdr())
         sent = threading.Event()
-        server._loop.call_soon_threadsafe(sent.set)
+        server.loop.call_soon_threadsafe(sent.set)
         assert sent.wait(120)
         go_on.set()
         last = cdr(distance=7.0)

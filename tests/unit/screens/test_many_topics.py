@@ -17,6 +17,7 @@ from robowidgets.simulator import Robot, World
 
 from ...more_rows.gauges import FLOAT64, GAUGE, GaugesWidget, Numbers, added
 from ..feeds.scripted import SCAN, Scripted
+from ..pages import synced
 from ..recordings import recorded
 from ..waiting import wait_for
 
@@ -108,7 +109,7 @@ def test_a_view_of_a_robot_gives_later_topics_of_the_namespace_to_the_same_widge
             script.listener.on_message(advert.name, {"data": number})
         wait_for(lambda: widget.gauges is not None and len(widget.gauges) == 2, "it shows both")
         assert [number.value for number in widget.gauges.values()] == [1.0, 2.0]
-        assert (widget.title, widget._source["topic"]) == ("/tank", "/tank/left")
+        assert (widget.title, synced(widget, "_source")["topic"]) == ("/tank", "/tank/left")
         view.close()
         assert {topic for what, topic in script.asked if what == "unsubscribe"} == {t for _, t in script.asked}
 
