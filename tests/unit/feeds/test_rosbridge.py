@@ -265,18 +265,6 @@ def test_after_unsubscribing_nothing_is_asked_for_or_handed_on(ears: Ears) -> No
     assert ears.of("/scan") == []
 
 
-def test_a_killed_bridge_is_found_again_when_it_is_back(ears: Ears) -> None:
-    port = free_port()
-    middleware = opened(f"ws://127.0.0.1:{port}", ears, "/scan")
-    for times in (1, 2):
-        with Server({"/scan": SCAN}, port) as server:
-            wait_for(lambda: server.subscribed, "it subscribed")
-            server.publish("/scan", scan(1.0))
-            wait_for(lambda: len(ears.messages) == times, "a message came")  # noqa: B023
-    middleware.close()
-    assert ears.connected == 2
-
-
 @pytest.mark.parametrize("binary", [False, True])
 def test_a_message_of_100_mb_costs_its_topic_and_no_other(ears: Ears, binary: bool) -> None:
     with Server({"/scan": SCAN, "/huge": SCAN}) as server:

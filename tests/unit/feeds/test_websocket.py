@@ -1,13 +1,11 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import itertools
 import json
 import os
 import socket
 import threading
-import weakref
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -24,7 +22,7 @@ from ..clocks import ManualClock
 from ..waiting import wait_for
 from .ears import Ears
 from .fox import OldFoxglove, cdr, channel
-from .servers import Server, free_port
+from .servers import Server
 
 # A connection behaves the same with every protocol: here it is foxglove.
 
@@ -111,25 +109,6 @@ def test_without_tornado_opening_says_what_to_install(monkeypatch: pytest.Monkey
     monkeypatch.setitem(__import__("sys").modules, "tornado.websocket", None)
     with pytest.raises(FeedError, match="websockets need the package tornado, which is not installed: pip install"):
         Foxglove().open(ears)
-
-
-def test_closing_twice_or_before_opening_does_nothing(ears: Ears) -> None:
-    middleware = Foxglove(f"ws://127.0.0.1:{free_port()}")
-    middleware.close()
-    middleware.open(ears)
-    middleware.close()
-    middleware.close()
-    assert ears.connected == 0
-
-
-def test_it_may_be_closed_in_a_callback(scanning: tuple[OldFoxglove, Foxglove], ears: Ears) -> None:
-    server, middleware = scanning
-    ears.then = lambda *_: middleware.close()
-    server.log(1, cdr())
-    wait_for(lambda: not server.clients, "the connection ended")
-    wait_for(lambda: _threads() == [], "its thread ended")
-    assert len(ears.messages) == 1
-    assert ears.lost == []
 
 
 def test_an_unanswered_attempt_shows_what_to_compare_while_it_goes_on(ears: Ears, clock: ManualClock) -> None:
@@ -636,32 +615,6 @@ def test_a_server_that_takes_calls_and_drops_them_is_called_ever_more_rarely(ear
             clock.advance(TICK)
         wait_for(lambda: ears.pauses[5:] == [8.0], "the longest pause stays")
         close(middleware, clock)
-
-
-def test_twenty_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears: Ears) -> None:
-    there: list[weakref.ref[Foxglove]] = []
-    with OldFoxglove([channel(1)]) as server:
-
-        def once(wait: bool) -> None:
-            middleware = Foxglove(server.address)
-            middleware.follow(frozenset({"/scan"}))
-            before = ears.connected
-            middleware.open(ears)
-            if wait:
-                wait_for(lambda: ears.connected > before, "it is connected")
-            middleware.close()
-            there.append(weakref.ref(middleware))
-
-        once(True)
-        wait_for(lambda: not server.clients, "the server knows of it")
-        before = _descriptors()
-        for i in range(20):
-            once(i % 2 == 0)
-        wait_for(lambda: not server.clients, "every connection ended")
-        assert _threads() == []
-        wait_for(lambda: _descriptors() <= before, "every socket is closed")
-    gc.collect()
-    assert [ref for ref in there if ref() is not None] == []
 
 
 class TickingClock(RealClock):
