@@ -22,7 +22,7 @@ from robowidgets.recordings import RecordingData
 from robowidgets.simulator import Robot as SimulatedRobot
 from robowidgets.simulator import World
 
-from . import bridge, dds_process
+from . import bridge, processes
 from .contract import SCAN, TWIST, Robot, RobotContract, Source, SourceContract, fixture_of
 from .fake_rclpy import QoSProfile, get_message, install
 from .fox import cdr, definition
@@ -170,12 +170,12 @@ class DdsRobot(Robot):
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         pytest.importorskip("cyclonedds", reason="cyclonedds is not installed: pip install cyclonedds")
         super().__init__(monkeypatch)
-        self._robot, self._heard = dds_process.Robot("1s"), list[float]()
+        self._robot, self._heard = processes.DdsRobot("1s"), list[float]()
 
     def middleware(self) -> Middleware:
         from robowidgets.feeds.dds import Dds
 
-        return Dds(dds_process.DOMAIN, interface="lo")
+        return Dds(processes.DOMAIN, interface="lo")
 
     def send(self, topic: str, rays: int = 2) -> None:
         self._robot.do("write", topic, "LaserScan", [1.0] * rays, 0.5)
@@ -191,16 +191,61 @@ class DdsRobot(Robot):
 
     @property
     def speeds(self) -> list[float]:
-        while self._robot.has_heard:
+        while self._robot.unread:
             self._heard.append(self._robot.heard()["linear"]["x"])
         return self._heard
 
     def die(self) -> None:
         self._robot.kill()
-        self._robot = dds_process.Robot("1s")
+        self._robot = processes.DdsRobot("1s")
 
     def close(self) -> None:
         self._robot.kill()
+
+
+class ZenohRobot(Robot):
+    """Nodes of the SDK of ROBOTIS at a router, in two other processes."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed: pip install eclipse-zenoh")
+        pytest.importorskip("zenoh_ros2_sdk", reason="the robot is not installed: pip install zenoh-ros2-sdk")
+        super().__init__(monkeypatch)
+        self._port, self._heard = free_port(), list[float]()
+        self._router = processes.Process("zenoh_router.py", self._port)
+        assert self._router.line() == "ready"
+        self._robot = processes.Process("zenoh_robot.py", self._port, 0)
+
+    def middleware(self) -> Middleware:
+        from robowidgets.feeds.zenoh import Zenoh
+
+        return Zenoh(f"tcp/127.0.0.1:{self._port}")
+
+    def send(self, topic: str, rays: int = 2) -> None:
+        self._robot.do("write", topic, SCAN, {"ranges": [1.0] * rays})
+
+    def send_other_type(self, topic: str) -> None:
+        self._robot.do("write", topic, TWIST, {})
+
+    def withdraw(self, topic: str) -> None:
+        self._robot.do("stop", topic, SCAN)
+
+    def listen(self) -> None:
+        self._robot.do("hear", self.speed, TWIST)
+        assert self._robot.heard() == "ready"
+
+    @property
+    def speeds(self) -> list[float]:
+        while self._robot.unread:
+            self._heard.append(self._robot.heard()[0])
+        return self._heard
+
+    def die(self) -> None:
+        self._robot.kill()
+        self._robot = processes.Process("zenoh_robot.py", self._port, 0)
+
+    def close(self) -> None:
+        self._robot.kill()
+        self._router.kill()
 
 
 class RclpyRobot(Robot):
@@ -268,6 +313,10 @@ class TestRosbridge(RobotContract):
 
 class TestDds(RobotContract):
     robot = fixture_of(DdsRobot)
+
+
+class TestZenoh(RobotContract):
+    robot = fixture_of(ZenohRobot)
 
 
 class TestRclpy(RobotContract):

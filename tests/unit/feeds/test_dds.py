@@ -41,8 +41,9 @@ from ..clocks import ManualClock
 from ..waiting import wait_for
 from . import dds_robot
 from .bursts import EVERY, record_bursts
-from .dds_process import DOMAIN, Robot
 from .ears import Ears
+from .processes import DOMAIN
+from .processes import DdsRobot as Robot
 
 SCAN = "sensor_msgs/msg/LaserScan"
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
@@ -392,7 +393,7 @@ def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
 
         def moves() -> bool:
             feed.drive(0.25)
-            return other.has_heard
+            return other.unread
 
         wait_for(moves, "the other moves, too")
 

@@ -2,18 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import os
-import queue
-import signal
-import socket
 import struct
-import subprocess
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -30,6 +22,8 @@ from robowidgets.messages.encoding import encode
 
 from ..waiting import wait_for
 from .ears import Ears
+from .processes import Process
+from .servers import free_port
 
 SCAN, TWIST, STAMPED = "sensor_msgs/msg/LaserScan", "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 STRING, RANGE = "std_msgs/msg/String", "sensor_msgs/msg/Range"
@@ -39,50 +33,6 @@ VOLATILE, KEPT = "::,10:,:,:,,", ":1:,1:,:,:,,"
 def moving(x: float) -> dict[str, Any]:
     vector = {"x": 0.0, "y": 0.0, "z": 0.0}
     return {"linear": vector | {"x": x}, "angular": vector}
-
-
-class Process:
-    """A process that answers lines of JSON with lines of JSON."""
-
-    def __init__(self, script: str, *arguments: Any) -> None:
-        command = [sys.executable, str(Path(__file__).with_name(script)), *map(str, arguments)]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self._told: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._listen, daemon=True).start()
-
-    def do(self, *what: Any) -> None:
-        assert self._process.stdin is not None
-        self._process.stdin.write(json.dumps(what) + "\n")
-        self._process.stdin.flush()
-
-    def line(self) -> str:
-        return self._told.get(timeout=120).strip()
-
-    def heard(self) -> Any:
-        return json.loads(self.line())
-
-    @property
-    def unread(self) -> int:
-        return self._told.qsize()
-
-    def freeze(self) -> None:
-        self._process.send_signal(signal.SIGSTOP)
-        os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOWAIT)
-
-    def thaw(self) -> None:
-        self._process.send_signal(signal.SIGCONT)
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait()
-        assert self._process.stdin is not None
-        self._process.stdin.close()
-
-    def _listen(self) -> None:
-        assert self._process.stdout is not None
-        with self._process.stdout as lines:
-            for line in lines:
-                self._told.put(line)
 
 
 Start = Callable[..., Process]
@@ -100,12 +50,6 @@ def start() -> Iterator[Start]:
     yield start_one
     for one in there:
         one.kill()
-
-
-def free_port() -> int:
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @pytest.fixture
@@ -412,31 +356,6 @@ def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(
                     lambda: any(one.publishers == ("/robowidgets_guard_of_another",) for one in heard.topics or ()),
                     "the other one is listed",
                 )
-
-
-def test_no_message_comes_after_unsubscribing(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
-    zenoh.follow(frozenset({"/scan", "/other"}))
-    until(robot, lambda: heard.of("/scan"), "a scan comes", "write", "/scan", SCAN, scan(3))
-    zenoh.follow(frozenset({"/other"}))
-    count = len(heard.of("/scan"))
-    robot.do("write", "/scan", SCAN, scan(4))
-    until(robot, lambda: heard.of("/other"), "another comes", "write", "/other", SCAN, scan(5))
-    assert [len(one.ranges) for one in heard.of("/scan")[count:]] in ([], [3])
-
-
-def test_twenty_opens_and_closes_leave_no_thread(router: Process, port: int) -> None:
-    def threads() -> int:
-        return len(os.listdir("/proc/self/task"))
-
-    counts = []
-    for _ in range(20):
-        ears = Ears()
-        with closing(Zenoh(f"tcp/127.0.0.1:{port}")) as zenoh:
-            zenoh.open(ears)
-            wait_for(lambda: ears.connected, "the router answers")  # noqa: B023
-        zenoh.close()
-        counts.append(threads())
-    assert counts[-1] <= counts[2]
 
 
 def test_an_address_without_a_router_says_what_to_check(heard: Ears, port: int) -> None:

@@ -1,4 +1,4 @@
-"""A robot of DDS in a process of its own, for tests that need not have cyclonedds themselves."""
+"""Robots and routers in processes of their own, which answer lines of JSON with lines of JSON."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from typing import Any
 DOMAIN = 60 + os.getpid() % 42
 
 
-class Robot:
-    """The process of `dds_robot`."""
+class Process:
+    """The process of a script in this folder."""
 
-    def __init__(self, lease: str = "10s") -> None:
-        command = [sys.executable, str(Path(__file__).with_name("dds_robot.py")), str(DOMAIN), lease]
+    def __init__(self, script: str, *arguments: Any) -> None:
+        command = [sys.executable, str(Path(__file__).with_name(script)), *map(str, arguments)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self._told: queue.Queue[str] = queue.Queue()
         threading.Thread(target=self._listen, daemon=True).start()
@@ -30,23 +30,24 @@ class Robot:
         self._process.stdin.write(json.dumps(what) + "\n")
         self._process.stdin.flush()
 
+    def line(self) -> str:
+        return self._told.get(timeout=120).strip()
+
     def heard(self) -> Any:
-        return json.loads(self._told.get(timeout=120))
+        return json.loads(self.line())
 
     @property
-    def has_heard(self) -> bool:
-        return not self._told.empty()
-
-    def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
-        """Make it report the messages of a topic from now on."""
-        self.do("hear", topic, kind, reliable)
-        assert self.heard() == "ready"
+    def unread(self) -> int:
+        return self._told.qsize()
 
     def freeze(self) -> None:
         """Stop the process without any notice to others."""
         self._process.send_signal(signal.SIGSTOP)
         # Its threads stop one after the other; the last might confirm messages that come meanwhile.
         os.waitid(os.P_PID, self._process.pid, os.WSTOPPED | os.WNOWAIT)
+
+    def thaw(self) -> None:
+        self._process.send_signal(signal.SIGCONT)
 
     def kill(self) -> None:
         self._process.kill()
@@ -59,3 +60,15 @@ class Robot:
         with self._process.stdout as lines:
             for line in lines:
                 self._told.put(line)
+
+
+class DdsRobot(Process):
+    """The process of `dds_robot`."""
+
+    def __init__(self, lease: str = "10s") -> None:
+        super().__init__("dds_robot.py", DOMAIN, lease)
+
+    def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
+        """Make it report the messages of a topic from now on."""
+        self.do("hear", topic, kind, reliable)
+        assert self.heard() == "ready"
