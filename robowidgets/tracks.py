@@ -106,7 +106,7 @@ class SampleFrames:
 
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: SampleWidget) -> None:
         self._recording, self._choice, self._widget = recording, choice, widget
-        self._nothing = choice.shown.nothing
+        self._nothing = {name: (role.kind or choice.shown).nothing for role, name in choice.parts}
         self._roles = {name: role.name for role, name in choice.parts}
         goes_with = choice.parts[len(choice.own) :]
         shows = [(choice.own, widget.update), *(((name,), getattr(widget, role.take)) for role, name in goes_with)]
@@ -147,7 +147,7 @@ class SampleFrames:
 
     def _sample(self, topics: Sequence[str], now: Mapping[str, Moment | None]) -> Any:
         """Return the last sample of a topic, or the joined sample of all topics of a namespace."""
-        samples = {name: moment.sample if (moment := now[name]) else self._nothing for name in topics}
+        samples = {name: moment.sample if (moment := now[name]) else self._nothing[name] for name in topics}
         combine = self._choice.role.combine
         if combine is None or topics != self._choice.own:
             return samples[topics[0]]
@@ -161,8 +161,8 @@ class SampleFrames:
         timed = self._frame(seconds, self._sample(own, now), **others)
         return timed._replace(about=timed.about | {NEW: [self._roles[newest]]}) if others else timed
 
-    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
-        about, frame = self._widget.frame_of(sample)
+    def _frame(self, seconds: float, sample: Any, **others: Any) -> TimedFrame:
+        about, frame = self._widget.frame_of(sample, **others)
         return TimedFrame(seconds, about, frame_header(sample) + frame)
 
 

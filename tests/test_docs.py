@@ -214,13 +214,8 @@ def test_what_assistants_read_is_made_from_the_index_of_the_docs() -> None:
 
 
 def test_the_page_on_a_new_sensor_shows_the_code_that_the_tests_build() -> None:
-    folder = ROOT / "tests" / "fourth_kind"
-    shown = re.findall(
-        r"```text\n(.*?)```", (ROOT / "docs" / "developers" / "new_sensor.md").read_text("utf-8"), re.DOTALL
-    )
-    python, *front_end = shown
-    for name, text in zip(("number_widget.ts", "number_widget.css"), front_end, strict=True):
-        assert text == (folder / "js" / name).read_text("utf-8").replace("../../../robowidgets/js/", "./")
-    written = (folder / "number_widget.py").read_text("utf-8").splitlines()
-    ours = {'    _esm, _css = bundle("number_widget")'}
-    assert {line for line in python.splitlines() if line not in written} == ours
+    shown = [block.text for block in blocks(ROOT / "docs" / "developers" / "new_sensor.md")]
+    package = ROOT / "tests" / "gas_sensor"
+    names = ("pyproject.toml", *(f"gas_sensor/{name}.py" for name in ("samples", "row", "gas_widget")))
+    for name in (*names, "js/gas_widget.ts", "js/gas_widget.css"):
+        assert (package / name).read_text("utf-8") in shown, name

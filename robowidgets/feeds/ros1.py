@@ -117,6 +117,8 @@ class Ros1(ThreadedMiddleware):
 
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`. Raise FeedError also if the Python package of the type is not installed."""
+        if self._listener is None or self._closed.is_set():
+            raise FeedError(f"{self.where} is not connected")
         self._publications.publish(topic, message_type, message)
 
     def close(self) -> None:

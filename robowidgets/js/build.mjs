@@ -13,6 +13,8 @@ const options = {
     /(_widget|^export_\w+|^run_once)\.(ts|css)$/.test(name) ? join(from, name) : [],
   ),
   outdir: to,
+  // Widgets of other packages import the shared parts by this name.
+  alias: { robowidgets: import.meta.dirname },
   bundle: true,
   target: "es2022",
   logLevel: "info",

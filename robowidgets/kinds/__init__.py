@@ -35,8 +35,10 @@ class Role:
     Args:
         name: the name of its samples, which is their keyword for the frames of a player. With `combine`, the name in
             programs of the sample of all topics.
-        take: the method of the widget that takes a message. A method other than ``update`` has a title of its own: the
-            widget takes ``command_title`` for the method ``command``.
+        take: the method of the widget that takes a message. For a method other than ``update``, the widget may have a
+            trait with the title of the topic, such as ``command_title`` for the method ``command``.
+        kind: for roles other than the first. The kind of its topics, if it is not the kind of the row: the status of a
+            gas sensor has samples of its own. `add` adds it with the row.
         commanded: True if its samples are commanded, not measured.
         combine: for the first role of a widget that all topics of a namespace share. A function that makes one sample
             of the newest ones. It gets the samples and the seconds at which they came, both by the names of their
@@ -48,6 +50,7 @@ class Role:
 
     name: str
     take: str = "update"
+    kind: Kind | None = None
     commanded: bool = False
     combine: Callable[[Mapping[str, Any], Mapping[str, float]], Any] | None = None
     standalone_options: Mapping[str, Any] | None = None
@@ -70,7 +73,8 @@ class TopicWidget:
     Args:
         name: the name of the widget and its bundle, such as ``"path"``.
         types: message types of its topics, in the form of recordings: ``sensor_msgs/msg/LaserScan``.
-        widget: imports and returns the widget class; it takes ``title`` and has ``update(sample)``.
+        widget: imports and returns the widget class; it takes ``title`` and has ``update(sample)``. Only a kind may be
+            without one: its topics are shown in a role of another kind's widget, or as messages.
         nothing: the sample that a player shows before the first of a topic.
         frames: imports and returns the class of the frames of a topic for the player of a recording, a
             `robowidgets.tracks.Track`. If None, a player shows the last sample, or the last message, at each time.
@@ -84,7 +88,7 @@ class TopicWidget:
 
     name: str
     types: frozenset[str]
-    widget: Callable[[], type[SampleWidget]]
+    widget: Callable[[], type[SampleWidget]] | None
     nothing: Any
     frames: Callable[[], Callable[..., Any]] | None = None
     roles: tuple[Role, ...] = (Role(name="sample"),)
@@ -163,6 +167,7 @@ class Kind(TopicWidget):
     noun: str
     sample: type
     read: Callable[[Any], Any]
+    widget: Callable[[], type[SampleWidget]] | None = None
     has_shape: Callable[[MessageShape], bool] | None = None
     undecided: frozenset[str] = frozenset()
     columns: Callable[[], type[Any]] | None = None
@@ -214,7 +219,7 @@ _STANDARD = frozenset(
 def add(row: Kind | OnDemandWidget, *, replace: bool = False) -> None:
     """Add a kind of sensor, or an on-demand widget, for all recordings and feeds that are opened afterwards.
 
-    A row that is in the table stays.
+    A row that is in the table stays. The kinds of its roles are added, too.
 
     Args:
         row: the row.
@@ -239,6 +244,9 @@ def add(row: Kind | OnDemandWidget, *, replace: bool = False) -> None:
     for type_name in row.types | (row.undecided if isinstance(row, Kind) else frozenset()):
         if not _TYPE.fullmatch(type_name):
             raise ValueError(f"types: expected message types such as 'sensor_msgs/msg/Range', got {type_name!r}")
+    for role in row.roles:
+        if role.kind is not None:
+            add(role.kind, replace=replace)
     if isinstance(row, Kind):
         KINDS[row.name] = row
     else:
@@ -262,6 +270,8 @@ def _check_on_demand(row: OnDemandWidget, *, replace: bool) -> None:
         raise ValueError(
             f"name: expected an identifier other than {', '.join(taken)}, got {row.name!r}; replace=True replaces a row"
         )
+    if row.widget is None:
+        raise TypeError("widget: expected a function that imports and returns the class, got None")
     if row.plots_fields and not row.shared:
         raise ValueError(f"shared: expected True, because {row.name} shows fields of several topics")
     if row.plots_fields and row.types != row.fields.keys():
@@ -311,7 +321,7 @@ def on_demand_row(widget: type) -> OnDemandWidget | None:
 def _shows(row: TopicWidget, widget: type) -> bool:
     """Return True if a widget class is the class of a row, or derived from it."""
     try:
-        return issubclass(widget, row.widget())
+        return row.widget is not None and issubclass(widget, row.widget())
     except ImportError:  # of a package that is not complete: so there is no widget of this class
         return False
 
@@ -450,4 +460,6 @@ def widgets_of(kind_name: str | None, types: str, commanded: bool) -> str:
     """Return the widgets of a topic for a table: ``"speed, path"``, ``"speed (commanded)"``, or empty without any."""
     if kind_name is None or commanded:
         return f"{kind_name} (commanded)" if kind_name else ""
+    if KINDS[kind_name].widget is None:
+        return ", ".join(kind.name for kind in KINDS.values() for role in kind.roles if role.kind is KINDS[kind_name])
     return ", ".join((kind_name, *(second.name for second in KINDS[kind_name].second_widgets(types))))

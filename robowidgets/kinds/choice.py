@@ -132,14 +132,17 @@ class WidgetChoice(NamedTuple):
 
     def make(self) -> SampleWidget:
         """Return the widget, with its titles."""
-        widget: Callable[..., SampleWidget] = self.shown.widget()
+        assert self.shown.widget is not None  # only such rows are chosen
+        widget_class = self.shown.widget()
+        widget: Callable[..., SampleWidget] = widget_class
         if self.second:
             return widget(title=self.titles[0])
         if isinstance(self.kind, OnDemandWidget):
-            classes = _added_classes(self.kind.widget().column)
+            classes = _added_classes(widget_class.column)
             return widget(*self.fields, title=self.titles[0], _dom_classes=classes, **self.kind.options)
         titles = {f"{role.take}_title": topic for role, topic in self.parts if role is not self.role}
-        return widget(title=self.titles[0], **titles, **self.kind.options, **(self.role.standalone_options or {}))
+        named = {trait: title for trait, title in titles.items() if hasattr(widget_class, trait)}
+        return widget(title=self.titles[0], **named, **self.kind.options, **(self.role.standalone_options or {}))
 
 
 Entry = str | Sequence[str]
@@ -199,7 +202,8 @@ def choose_widgets(topics: Iterable[ListedTopic], entries: Sequence[Entry] | Non
         if request.row not in ("", *ON_DEMAND) and request.topic in known:
             there = [choice for choice in _by_kind([known[request.topic]]) if choice.shown.name == request.row]
             chosen += [choice for choice in there if choice not in chosen]
-    more = _on_demand_choices(requests, known)
+    has_widget = {topic for choice in chosen for topic in choice.topics}
+    more = _on_demand_choices([one for one in requests if one[1:] != ("", "") or one.topic not in has_widget], known)
     for entry in entries:
         if not isinstance(entry, str):
             fields = [
@@ -329,7 +333,8 @@ def _row_of(request: TopicRequest, topic: ListedTopic) -> OnDemandWidget | None:
         return next(others, ON_DEMAND.get(request.row))
     if request.field:
         return on_demand_for_fields()
-    return None if topic.widget else on_demand_for_type(topic.type)
+    has_own = topic.widget and KINDS[topic.widget].widget
+    return None if has_own else on_demand_for_type(topic.type)
 
 
 def _fields_of(request: TopicRequest, known: Mapping[str, ListedTopic]) -> list[TopicRequest]:
@@ -376,6 +381,8 @@ def _rows() -> set[str]:
 
 def _of_kind(kind: Kind, listed: list[ListedTopic]) -> list[WidgetChoice]:
     """Return the widgets of one kind, in the order of their first topics."""
+    if kind.widget is None:
+        return []
     first, *others = kind.roles
     own = _in_role(kind, first, listed)
     groups = by_namespace(own).values() if first.combine else [[name] for name in own]
@@ -394,7 +401,8 @@ def _of_kind(kind: Kind, listed: list[ListedTopic]) -> list[WidgetChoice]:
 
 
 def _in_role(kind: Kind, role: Role, listed: list[ListedTopic]) -> list[str]:
-    return [t.name for t in listed if t.widget == kind.name and t.commanded == role.commanded]
+    name = (role.kind or kind).name
+    return [t.name for t in listed if t.widget == name and t.commanded == role.commanded]
 
 
 def _paired(own: list[str], others: list[str]) -> dict[str, str]:
@@ -408,8 +416,8 @@ def _paired(own: list[str], others: list[str]) -> dict[str, str]:
 
 
 def shared_depth(one: str, other: str) -> int:
-    """Return the number of parts of the namespace that two topics share."""
-    parts = zip(one.strip("/").split("/")[:-1], other.strip("/").split("/")[:-1], strict=False)
+    """Return the number of parts of a topic that are in the namespace of another: 1 for /gas and /gas/status."""
+    parts = zip(one.strip("/").split("/"), other.strip("/").split("/")[:-1], strict=False)
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], parts))
 
 

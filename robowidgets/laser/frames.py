@@ -40,7 +40,7 @@ class ScanFrames(SampleFrames):
                 self._tree = FrameTree(self._recording.transforms())
         return super().frames(start, end)
 
-    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
+    def _frame(self, seconds: float, sample: Any, **_: Any) -> TimedFrame:
         timed = super()._frame(seconds, sample)
         if self._tree is not None:
             time_ns = (self._recording.start_ns or 0) + round(seconds * 1e9)

@@ -34,7 +34,7 @@ TASKS = (
 LONGEST_TEXT, LONGEST_ANSWER, LONGEST_FILE = 500, 4000, 1_000_000
 """The limits for saved texts and answers in characters, and for files to read in bytes."""
 
-_GIVEN = frozenset(
+GIVEN = frozenset(
     [
         "0c216b8cf5c7",
         "3fbfced9594f",
@@ -140,7 +140,7 @@ class LessonProgress:
         # nbgrader copies the student's file to the notebook that it grades, where only the graded answers count.
         stays_done = before.done and os.environ.get("NBGRADER_EXECUTION") != "autograde"
         # A given answer is saved only if it is right: it may be the right answer to the previous task.
-        if not result and (stays_done or (not before.done and fingerprint(answer) in _GIVEN)):
+        if not result and (stays_done or (not before.done and fingerprint(answer) in GIVEN)):
             return
         now = self._now().isoformat(timespec="seconds")
         answer = answer[:LONGEST_ANSWER]

@@ -343,7 +343,7 @@ class PathFrames(SampleFrames):
         if not len(widget.points):
             widget.show_whole(_path_of(recording, choice.topic))
 
-    def _frame(self, seconds: float, sample: Any) -> TimedFrame:
+    def _frame(self, seconds: float, sample: Any, **_: Any) -> TimedFrame:
         x, y, yaw = sample.pose
         return super()._frame(seconds, PathPoint(seconds, x, y, yaw, sample.stamp_ns))
 

@@ -12,6 +12,6 @@ from ..widget.timed_frame import TimedFrame
 class SpeedFrames(SampleFrames):
     """A `Track` of measured and commanded speeds, without peaks, because a player shows times in any order."""
 
-    def _frame(self, seconds: float, sample: Any, commanded: Any = None) -> TimedFrame:
+    def _frame(self, seconds: float, sample: Any, commanded: Any = None, **_: Any) -> TimedFrame:
         _, frame = self._widget.frame_of(Reading(sample, commanded))
         return TimedFrame(seconds, {"frame_id": sample.frame_id}, frame_header(sample) + frame)

@@ -66,7 +66,7 @@ class Pacer:
 
     def __init__(self, scheduler: Scheduler = threads) -> None:
         self._scheduler = scheduler
-        self._clock = scheduler.clock.now
+        self.clock = scheduler.clock
         self._hooked = False
         self.reset()
 
@@ -91,7 +91,7 @@ class Pacer:
         if sender in self._due:
             return
         with self._lock:
-            self._due[sender] = max(self._clock(), self._earliest.get(id(sender), 0.0))
+            self._due[sender] = max(self.clock.now(), self._earliest.get(id(sender), 0.0))
             self._wake()
 
     def mark_at(self, sender: Sender, when: float | None) -> None:
@@ -142,7 +142,7 @@ class Pacer:
             for sender in waiting:
                 with self._lock:
                     marked = self._due.pop(sender, None) is not None or sender in self._held
-                    self._earliest[id(sender)] = self._clock() + _interval(sender)
+                    self._earliest[id(sender)] = self.clock.now() + _interval(sender)
                 if marked:
                     self._send(sender)
         finally:
@@ -177,7 +177,7 @@ class Pacer:
             # Sleep without re-checking: that would hold the GIL while the I/O thread is sending, and make the send
             # take half as long again.
             return None
-        return self._clock() + wait
+        return self.clock.now() + wait
 
     def _send_one(self) -> float | None:
         """Send for one due sender and return 0, or the seconds until one is due, or None if nothing is marked."""
@@ -191,7 +191,7 @@ class Pacer:
 
     def _next(self) -> tuple[Sender | None, float | None]:
         """Take the sender that has been due for longest if the budget allows, else return the seconds until it does."""
-        now = self._clock()
+        now = self.clock.now()
         if self._timers:
             for sender in [s for s, when in self._timers.items() if when <= now]:
                 del self._timers[sender]
@@ -216,7 +216,7 @@ class Pacer:
         except Exception as error:
             pause = self._on_failure(sender, error)
         finally:
-            now = self._clock()
+            now = self.clock.now()
             with self._lock:
                 if not failed and id(sender) in self._failures:
                     self._failures[id(sender)] = self._failures[id(sender)]._replace(pause=0.0)
@@ -227,7 +227,7 @@ class Pacer:
 
     def _on_failure(self, sender: Sender, error: Exception) -> float:
         """Log the error unless the last one was the same and recent, and return the pause before the next attempt."""
-        now, text = self._clock(), f"{type(error).__name__}: {error}"
+        now, text = self.clock.now(), f"{type(error).__name__}: {error}"
         last = self._failures.get(id(sender), _Failure("", now, 0.0))
         # Consecutive failures are at most one pause and the wait for the budget apart. The time decides, not a success
         # in between: a sender that fails now and then would log each time.

@@ -63,8 +63,12 @@ class SampleWidget(GroupedWidget, Protocol):
     def on_source_closed(self) -> None:
         """Note that its source is closed. Functions that work on its samples and do not return are ended."""
 
-    def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
-        """Return the texts on a sample, and its frame without the header."""
+    @property
+    def frame_of(self) -> Callable[..., tuple[dict[str, Any], bytes]]:
+        """A function that returns the texts on a sample and its frame without the header.
+
+        Samples of other roles follow by the names of their roles.
+        """
 
     def within(self, start: float, end: float) -> dict[str, Any]:
         """Return the traits that differ on a page with a part of a recording, given in seconds."""

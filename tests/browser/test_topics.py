@@ -16,9 +16,10 @@ from playwright.sync_api import Locator, expect
 import robowidgets
 from robowidgets import kinds
 from robowidgets.files import open_source
+from robowidgets.widget.front_end import bundle
 
-from ..fourth_kind.number_widget import build
-from ..fourth_kind.on_demand import ANY, AnyWidget, added
+from .. import gas_package
+from ..more_rows.on_demand import ANY, AnyWidget, added
 from ..unit.recordings import recorded
 from ..unit.waiting import wait_for
 from .chromium import LOOKS, shoot
@@ -30,11 +31,11 @@ FLOAT = "std_msgs/msg/Float64"
 
 
 class ShownAny(AnyWidget):
-    """Has the front end of a number."""
+    """Has the front end of a gas sensor."""
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:
         """See `AnyWidget`."""
-        return {"unit": ""}, struct.pack("<d", float("nan") if sample is None else sample.data)
+        return {}, struct.pack("<d", float("nan") if sample is None else sample.data)
 
     def _pack(self, sample: Any) -> bytes:
         return struct.pack("<d", sample.messages[""].data)
@@ -42,7 +43,7 @@ class ShownAny(AnyWidget):
 
 @pytest.fixture(scope="module", autouse=True)
 def _front_end(tmp_path_factory: pytest.TempPathFactory) -> None:
-    ShownAny._esm, ShownAny._css = build(tmp_path_factory.mktemp("static"))
+    ShownAny._esm, ShownAny._css = bundle("gas_widget", gas_package.build(tmp_path_factory.mktemp("static")))
 
 
 @pytest.fixture(autouse=True)

@@ -176,7 +176,7 @@ def test_keys_walk_from_box_to_box_and_a_screen_reader_reads_the_picked_one(
     expect(widget.locator(".rw-wires-filter")).to_be_focused()
 
 
-LOOKS_AT = "print(sorted(script._followed), script.asks_for_nodes)"
+LOOKS_AT = "print(sorted(script.followed), script.asks_for_nodes)"
 
 
 def test_the_robot_is_asked_nothing_while_the_picture_is_out_of_view(plain_page: Callable[..., PlainPage]) -> None:

@@ -5,6 +5,7 @@ import type { Model } from "../../robowidgets/js/shared/model.ts";
  */
 export class FakeModel {
   readonly saved: Record<string, unknown>[] = [];
+  readonly sent: unknown[] = [];
   readonly #values: Record<string, unknown>;
   readonly #callbacks = new Map<string, Set<(...given: unknown[]) => void>>();
   #changed: Record<string, unknown> = {};
@@ -25,6 +26,10 @@ export class FakeModel {
   save_changes(): void {
     this.saved.push(this.#changed);
     this.#changed = {};
+  }
+
+  send(content: unknown): void {
+    this.sent.push(content);
   }
 
   on(event: string, callback: () => void): void {

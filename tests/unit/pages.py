@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import logging
 import threading
+import weakref
 from typing import Any
 
 from ipywidgets import Widget
 from ipywidgets.widgets.widget import _put_buffers
+from traitlets.log import get_logger
 
 from robowidgets.screen_widget import ScreenWidget
 
@@ -23,6 +26,7 @@ class Page:
         self.threads: list[str] = []
         self.sizes: list[int] = []
         self.comm_id = widget.comm.comm_id
+        self._widget = weakref.ref(widget)
         widget.comm.close()
         widget.comm = self
 
@@ -41,6 +45,11 @@ class Page:
         """Every received value of a trait, in order."""
         return [message[name] for message in self.messages if name in message]
 
+    def handle_msg(self, message: dict[str, Any]) -> None:
+        """Give the widget a message."""
+        if widget := self._widget():
+            widget._handle_msg(message)
+
     def on_msg(self, callback: object) -> None:
         pass
 
@@ -55,3 +64,23 @@ def widgets_by_place(screen: ScreenWidget) -> dict[str, list[str]]:
     for room in screen.get_state()["_children"]:
         found.setdefault(room["place"], []).append(classes[room["widget"]])
     return found
+
+
+def from_page(widget: Any, content: Any) -> None:
+    """Give a widget a message of the page; fail if the widget raises an error, which ipywidgets only logs."""
+    handler, records = logging.Handler(), list[logging.LogRecord]()
+    handler.emit = records.append  # type: ignore[method-assign]
+    log = get_logger()
+    log.addHandler(handler)
+    try:
+        widget.comm.handle_msg({"content": {"data": {"method": "custom", "content": content}}, "buffers": []})
+    finally:
+        log.removeHandler(handler)
+    for record in records:
+        if record.exc_info and record.exc_info[1]:
+            raise record.exc_info[1]
+
+
+def synced(widget: Any, name: str) -> Any:
+    """Return a trait as the page has it."""
+    return widget.get_state(name)[name]

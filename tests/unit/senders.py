@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from contextlib import AbstractContextManager
 
 from robowidgets.runtime.clock import Threads
 from robowidgets.widget.pacer import Pacer
@@ -11,6 +12,11 @@ from robowidgets.widget.pacer import Pacer
 from .clocks import ManualClock
 
 MOST_IN_A_SECOND = 300
+
+
+def turn_of(pacer: Pacer) -> AbstractContextManager[bool]:
+    """Hold the turn of a pacer: nothing is sent meanwhile."""
+    return pacer._turn
 
 
 class Sender:

@@ -25,7 +25,7 @@ from robowidgets.widget.pacer import Pacer
 
 from ..clocks import ManualClock
 from ..feeds.scripted import CMD_VEL, Scripted
-from ..pages import Page
+from ..pages import Page, from_page
 from ..waiting import wait_for
 
 ZERO = (0.0, 0.0)
@@ -53,18 +53,18 @@ class Pad(DriveWidget):
     def send(self, content: Any) -> None:
         self.answers.append(content)
 
-    def hear(self, act: str, press: str = "p", **more: Any) -> dict[str, Any]:
+    def from_page(self, act: str, press: str = "p", **more: Any) -> dict[str, Any]:
         """Send a message of the page, and return the answer."""
-        self._handle_custom_msg({"act": act, "press": press, **more}, [])
+        from_page(self, {"act": act, "press": press, **more})
         return self.answers[-1]
 
     def press(self, press: str = "p") -> int:
-        token: int = self.hear("press", press)["token"]
+        token: int = self.from_page("press", press)["token"]
         return token
 
     def hold(self, press: str = "p", **knob: float) -> int:
         """A press that drives at once; return its next token."""
-        token: int = self.hear("hold", press, token=self.press(press), **knob)["token"]
+        token: int = self.from_page("hold", press, token=self.press(press), **knob)["token"]
         return token
 
     @property
@@ -114,57 +114,57 @@ class TestFromThePage:
         pad.linear_limit, pad.angular_limit = 0.4, 2
         token = pad.press()
         assert pad.heard == []
-        answer = pad.hear("hold", token=token, forward=0.5, turn=-1)
+        answer = pad.from_page("hold", token=token, forward=0.5, turn=-1)
         assert answer["token"] > token
         wait_for(lambda: pad.commanded == Speed((0.2, 0, 0), (0, 0, -2.0)), "it was reported")
-        assert pad.hear("release") == {"press": "p", "over": "released"}
+        assert pad.from_page("release") == {"press": "p", "over": "released"}
         pad.rests()
         assert pad.heard == [(0.2, -2.0), ZERO]
         assert pad.commanded == Speed((0, 0, 0), (0, 0, 0))
 
     def test_a_page_that_vanishes_stops_it(self, pad: Pad) -> None:
-        pad.hear("hold", token=pad.press(), forward=1)
+        pad.from_page("hold", token=pad.press(), forward=1)
         pad.rests()
         assert pad.heard == [(0.5, 0.0), ZERO]
 
     def test_a_queue_of_messages_that_waited_moves_nothing(self, pad: Pad) -> None:
         token = pad.press()
-        pad.hear("hold", token=token, forward=0.1)
+        pad.from_page("hold", token=token, forward=0.1)
         wait_for(lambda: pad.heard, "it drove")
         newest = pad.answers[-1]["token"]
         pad.now += HOLD + 0.01
         for i in range(20):
-            assert pad.hear("hold", token=newest, forward=1 - i / 100) == {"press": "p", "over": "late"}
+            assert pad.from_page("hold", token=newest, forward=1 - i / 100) == {"press": "p", "over": "late"}
         pad.rests()
         assert pad.heard == [(0.05, 0.0), ZERO]
 
     def test_a_press_that_went_stale_stays_over_though_a_fresh_token_is_guessed(self, pad: Pad) -> None:
         token = pad.press()
         pad.now += HOLD + 0.01
-        pad.hear("hold", token=token, forward=1)
-        assert pad.hear("hold", token=token + 1, forward=1)["over"] == "late"
+        pad.from_page("hold", token=token, forward=1)
+        assert pad.from_page("hold", token=token + 1, forward=1)["over"] == "late"
         pad.rests()
         assert (0.5, 0.0) not in pad.heard
 
     def test_a_message_that_is_a_little_old_counts(self, pad: Pad) -> None:
         token = pad.press()
         pad.now += HOLD - 0.1
-        assert "token" in pad.hear("hold", token=token, forward=1)
+        assert "token" in pad.from_page("hold", token=token, forward=1)
 
     def test_nothing_moves_without_a_press_or_after_it(self, pad: Pad) -> None:
-        assert pad.hear("hold", token=0, forward=1)["over"] == "late"
+        assert pad.from_page("hold", token=0, forward=1)["over"] == "late"
         token = pad.press()
-        pad.hear("release")
-        assert pad.hear("hold", token=token, forward=1)["over"] == "released"
+        pad.from_page("release")
+        assert pad.from_page("hold", token=token, forward=1)["over"] == "released"
         pad.rests()
         assert set(pad.heard) <= {ZERO}
 
     def test_the_newest_press_wins_and_another_page_is_notified(self, pad: Pad) -> None:
         old = pad.press("old")
         new = pad.press("new")
-        assert pad.hear("hold", "old", token=old, forward=1) == {"press": "old", "over": "taken"}
-        assert pad.hear("release", "old") == {"press": "old", "over": "released"}
-        assert "token" in pad.hear("hold", "new", token=new, forward=-1)
+        assert pad.from_page("hold", "old", token=old, forward=1) == {"press": "old", "over": "taken"}
+        assert pad.from_page("release", "old") == {"press": "old", "over": "released"}
+        assert "token" in pad.from_page("hold", "new", token=new, forward=-1)
         pad.rests()
         assert pad.heard == [(-0.5, 0.0), ZERO]
 
@@ -190,16 +190,16 @@ class TestFromThePage:
         self, pad: Pad, message: dict[str, Any], text: str, caplog: pytest.LogCaptureFixture
     ) -> None:
         token = pad.press()
-        pad._handle_custom_msg({"act": "hold", "press": "p", "token": token, "forward": 1, **message}, [])
+        from_page(pad, {"act": "hold", "press": "p", "token": token, "forward": 1, **message})
         wait_for(lambda: f"the page sent an invalid message: {text}" in caplog.text, "it is logged")
-        assert pad.hear("hold", token=token, forward=1)["over"] == "released"
+        assert pad.from_page("hold", token=token, forward=1)["over"] == "released"
         pad.rests()
         assert pad.heard
         assert set(pad.heard) == {ZERO}
 
     @pytest.mark.parametrize("content", [None, 3, [1, 2], "drive", {}])
     def test_what_is_not_a_message_is_logged(self, pad: Pad, content: Any, caplog: pytest.LogCaptureFixture) -> None:
-        pad._handle_custom_msg(content, [])
+        from_page(pad, content)
         words = "the page sent an invalid message: expected a message of the pad"
         wait_for(lambda: words in caplog.text, "it is logged")
 
@@ -207,7 +207,7 @@ class TestFromThePage:
 class TestSink:
     def test_without_one_a_press_hears_so(self) -> None:
         pad = Pad(send=None)
-        assert pad.hear("press") == {"press": "p", "over": "nothing"}
+        assert pad.from_page("press") == {"press": "p", "over": "nothing"}
         assert pad.told["ready"] is False
         pad.close()
 
@@ -224,15 +224,15 @@ class TestSink:
 
         first, second = Feed(), Feed()
         pad.connect(first)
-        pad.hear("hold", token=pad.press(), turn=1)
+        pad.from_page("hold", token=pad.press(), turn=1)
         wait_for(lambda: first.heard, "the first was driven")
         pad.connect(second)
         assert first.heard == [(0.0, 1.0), "stop"]
-        pad.hear("hold", token=pad.press(), forward=1)
+        pad.from_page("hold", token=pad.press(), forward=1)
         wait_for(lambda: second.heard, "the second was driven")
         pad.disconnect()
         assert second.heard == [(0.5, 0.0), "stop"]
-        assert pad.hear("press")["over"] == "nothing"
+        assert pad.from_page("press")["over"] == "nothing"
         assert pad.heard == []
 
     def test_a_function_with_lateral_is_driven_sideways_by_name_and_others_know_nothing_of_it(self) -> None:
@@ -243,9 +243,9 @@ class TestSink:
 
         pad = Pad(send=send, lateral_limit=0.2)
         assert pad.told["lateral_limit"] == 0.2
-        pad.hear("hold", token=pad.press(), forward=0.2, lateral=-0.5)
+        pad.from_page("hold", token=pad.press(), forward=0.2, lateral=-0.5)
         wait_for(lambda: pad.commanded == Speed((0.1, -0.1, 0), (0, 0, 0)), "it was reported")
-        pad.hear("release")
+        pad.from_page("release")
         pad.rests()
         assert heard == [(0.1, 0.0, -0.1), Velocity()]
         pad.close()
@@ -259,7 +259,7 @@ class TestSink:
             DriveWidget(send=planar, lateral_limit=0.2)
         with pytest.raises(traitlets.TraitError, match=words):
             pad.lateral_limit = 0.2
-        pad.hear("hold", token=pad.press(), lateral=1)
+        pad.from_page("hold", token=pad.press(), lateral=1)
         pad.rests()
         assert set(pad.heard) <= {ZERO}, "without a limit its share is nothing"
         sideways = Pad(send=None, lateral_limit=0.2)
@@ -272,9 +272,9 @@ class TestSink:
 
         robot = Robot(World.rooms())
         pad.connect(robot)
-        pad.hear("hold", token=pad.press(), forward=0.5)
+        pad.from_page("hold", token=pad.press(), forward=0.5)
         wait_for(lambda: robot.command().linear[0] == 0.25, "it drives")
-        pad.hear("release")
+        pad.from_page("release")
         wait_for(lambda: robot.command().linear[0] == 0, "it stops")
 
     @pytest.mark.parametrize("robot", [None, 3, print])
@@ -283,7 +283,7 @@ class TestSink:
             TypeError, match=r"^connect\(\): expected a feed, or something with drive\(linear, angular\)"
         ):
             pad.connect(robot)
-        assert "token" in pad.hear("press")
+        assert "token" in pad.from_page("press")
 
     def test_what_it_raises_is_reported_and_logged_and_ends_the_press(self, caplog: pytest.LogCaptureFixture) -> None:
         def send(linear: float, angular: float) -> None:
@@ -294,17 +294,17 @@ class TestSink:
         heard: list[float] = []
         pad = Pad(send=send)
         token = pad.press()
-        pad.hear("hold", token=token, forward=1)
+        pad.from_page("hold", token=token, forward=1)
         wait_for(lambda: heard, "it was asked to stop")
         text = "The robot could not be driven: OSError: no route to the robot"
         assert pad.told["error"] == text
         wait_for(lambda: text in caplog.text, "it is logged")
-        assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "failed"
+        assert pad.from_page("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "failed"
         assert pad.told["cause"] == "no route to the robot"
         token = pad.press("q")
         assert (pad.told["error"], pad.told["cause"]) == ("", "")
-        pad.hear("release", "q")
-        assert pad.hear("hold", "q", token=token, forward=1)["over"] == "released"
+        pad.from_page("release", "q")
+        assert pad.from_page("hold", "q", token=token, forward=1)["over"] == "released"
         pad.close()
 
     def test_what_it_raises_ends_the_press_also_where_the_log_hangs(self, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -324,7 +324,7 @@ class TestSink:
         def send(linear: float) -> None: ...
 
         pad = Pad(send=send)
-        pad.hear("hold", token=pad.press(), forward=1)
+        pad.from_page("hold", token=pad.press(), forward=1)
         wait_for(lambda: pad.told["error"].endswith(". Sending zero failed, too"), "both are reported")
         assert pad.told["error"].startswith("The robot could not be driven: TypeError: ")
         assert pad.told["cause"].endswith("takes 1 positional argument but 2 were given")
@@ -333,13 +333,13 @@ class TestSink:
     def test_one_that_hangs_ends_the_press(self) -> None:
         back = threading.Event()
         pad = Pad(send=lambda *_: back.wait())
-        pad.hear("hold", token=pad.press(), forward=1)
+        pad.from_page("hold", token=pad.press(), forward=1)
         wait_for(lambda: pad._watchdog.busy_for > HOLD, "it hangs")
-        assert pad.hear("press")["over"] == "hangs"
+        assert pad.from_page("press")["over"] == "hangs"
         assert pad.told["error"] == "The function that drives the robot has not returned for 1 s"
         back.set()
         pad.rests()
-        assert "token" in pad.hear("press")
+        assert "token" in pad.from_page("press")
         assert pad.told["error"] == ""
         pad.close()
 
@@ -372,7 +372,7 @@ class TestFeed:
         wait_for(lambda: script.speeds == [(0.1, -1.0)], "it drives")
         assert [t.name for t in threading.enumerate()].count("robowidgets-drive") == 1
         wait_for(lambda: pad.commanded == Speed((0.1, 0, 0), (0, 0, -1.0)), "it is reported")
-        pad.hear("release")
+        pad.from_page("release")
         wait_for(lambda: script.speeds == [(0.1, -1.0), ZERO], "it stops")
         assert pad.title == "/cmd_vel"
 
@@ -386,7 +386,7 @@ class TestFeed:
         pad.hold(lateral=0.5)
         wait_for(lambda: pad.told["speed"] == (0.0, 0.0, 0.2), "it drives to the left")
         assert script.sent[-1][2]["linear"] == {"x": 0.0, "y": 0.2, "z": 0.0}
-        pad.hear("release")
+        pad.from_page("release")
         pad.lateral_limit = 0.1
         wait_for(lambda: page.state["_state"]["lateral_limit"] == 0.1, "its own limit comes first")
         pad.hold(lateral=-1)
@@ -417,11 +417,11 @@ class TestFeed:
         for _ in range(5):
             with pytest.raises(FeedError, match="a hand drives from a pad"):
                 feed.drive(0.2, 0.5)
-            token = pad.hear("hold", token=token, turn=1)["token"]
+            token = pad.from_page("hold", token=token, turn=1)["token"]
         wait_for(lambda: script.speeds[-1] == (0.0, 1.0), "the hand drives")
         assert pad.told["driver"] == "p"
         assert (0.2, 0.5) not in script.speeds[1:]
-        pad.hear("release")
+        pad.from_page("release")
         feed.drive(0.2, 0.5)
         wait_for(lambda: script.speeds[-2:] == [ZERO, (0.2, 0.5)], "the program drives again")
 
@@ -429,7 +429,7 @@ class TestFeed:
         feed.drive(0.2, 0.5)
         pad.press()
         feed.drive(0.2, 0.5)
-        assert "over" in pad.hear("hold", token=77, forward=1)
+        assert "over" in pad.from_page("hold", token=77, forward=1)
         feed.drive(0.2, 0.5)
         assert pad.told["driver"] == PROGRAM
 
@@ -439,21 +439,21 @@ class TestFeed:
         token = pad.hold(forward=0.2)
         wait_for(lambda: script.speeds == [(0.1, 0.0)], "the first drives")
         newer = other.hold("q", turn=0.5)
-        assert pad.hear("hold", token=token, forward=0.2) == {"press": "p", "over": "taken"}
-        assert other.hear("hold", "q", token=newer, turn=0.5)["token"]
+        assert pad.from_page("hold", token=token, forward=0.2) == {"press": "p", "over": "taken"}
+        assert other.from_page("hold", "q", token=newer, turn=0.5)["token"]
         assert pad.told["driver"] == other.told["driver"] == "q"
-        pad.hear("release")
+        pad.from_page("release")
         wait_for(lambda: script.speeds[-1:] == [(0.0, 0.5)], "the second drives on")
-        assert pad.hear("hold", token=token, forward=0.2)["over"] == "taken"
+        assert pad.from_page("hold", token=token, forward=0.2)["over"] == "taken"
         assert pad.told["error"] == other.told["error"] == ""
-        other.hear("release", "q")
+        other.from_page("release", "q")
         wait_for(lambda: script.speeds[-1:] == [ZERO], "it stops")
         assert (0.1, 0.0) not in script.speeds[1:]
 
     def test_stop_of_one_pad_ends_the_press_of_another(self, pad: Pad, other: Pad, script: Scripted) -> None:
         token = pad.hold(forward=0.2)
         other.stop()
-        assert pad.hear("hold", token=token, forward=0.2)["over"] == "late"
+        assert pad.from_page("hold", token=token, forward=0.2)["over"] == "late"
         wait_for(lambda: script.speeds[-1:] == [ZERO], "it stops")
 
     def test_a_pad_that_is_switched_off_or_taken_away_leaves_a_program_alone(
@@ -474,13 +474,13 @@ class TestFeed:
         token = pad.hold(forward=0.2)
         wait_for(lambda: pad.told["speed"] == (0.1, 0.0, 0.0), "it drives")
         script.broken = "no room"
-        token = pad.hear("hold", token=token, forward=0.2)["token"]
+        token = pad.from_page("hold", token=token, forward=0.2)["token"]
         words = "The robot could not be driven: FeedError: no room"
         both = f"{words}. Sending zero failed, too"
         wait_for(lambda: pad.told["error"] == both, "both are reported")
         assert pad.told["cause"] == "no room"
         assert pad.told["speed"] == (0.1, 0.0, 0.0), "it is assumed to move"
-        assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
+        assert pad.from_page("hold", token=token, forward=0.2)["over"] == "failed"
         wait_for(lambda: words in caplog.text, "it is logged")
         script.broken = ""
         wait_for(lambda: pad.told["error"] == words, "the zero that was owed was sent")
@@ -493,7 +493,7 @@ class TestFeed:
         token = pad.hold(forward=0.2)
         wait_for(lambda: pad.told["speed"] == (0.1, 0.0, 0.0), "it drives")
         script.lose()
-        assert pad.hear("hold", token=token, forward=0.2)["over"] == "failed"
+        assert pad.from_page("hold", token=token, forward=0.2)["over"] == "failed"
         assert "could not be driven: FeedError: cannot drive: connection lost" in pad.told["error"]
         assert pad.told["cause"].startswith("cannot drive: connection lost")
 
@@ -511,12 +511,12 @@ class TestFeed:
         assert (pad.told["ready"], pad.told["driver"]) == (False, "")
         if held:
             assert script.speeds[-1] == ZERO
-            assert pad.hear("hold", token=token, forward=1)["over"] == "nothing"
-        assert pad.hear("press", "q")["over"] == "nothing"
+            assert pad.from_page("hold", token=token, forward=1)["over"] == "nothing"
+        assert pad.from_page("press", "q")["over"] == "nothing"
         with Feed(Scripted(CMD_VEL)) as again:
             pad.connect(again)
             assert (pad.told["ready"], pad.told["cause"]) == (True, "")
-            assert "token" in pad.hear("press", "r")
+            assert "token" in pad.from_page("press", "r")
         pad.connect(feed)
         assert (pad.told["ready"], pad.told["cause"]) == (False, "the feed is closed")
         pad.disconnect()
@@ -534,7 +534,7 @@ class TestFeed:
         feed.driving = Driving(needs_page=True, hold=3600.0)
         with pytest.raises(FeedError, match="no page"):
             feed.drive(0.1)
-        pad.hear("beat")
+        pad.from_page("beat")
         feed.drive(0.1)
         feed.stop()
         wait_for(
@@ -546,16 +546,16 @@ class TestStop:
     def test_it_latches_until_it_is_allowed_from_the_page(self, pad: Pad) -> None:
         token = pad.hold(forward=1)
         wait_for(lambda: pad.heard, "it drives")
-        pad._handle_custom_msg({"act": "stop", "press": "view"}, [])
+        from_page(pad, {"act": "stop", "press": "view"})
         wait_for(lambda: pad.heard[-1] == ZERO, "it stops")
         assert (pad.stopped, pad.told["stopped"], pad.told["driver"]) == (True, True, "")
-        assert pad.hear("hold", token=token, forward=1) == {"press": "p", "over": "stopped"}
-        assert pad.hear("press", "q")["over"] == "stopped"
-        fresh = pad.hear("beat", "view")
+        assert pad.from_page("hold", token=token, forward=1) == {"press": "p", "over": "stopped"}
+        assert pad.from_page("press", "q")["over"] == "stopped"
+        fresh = pad.from_page("beat", "view")
         assert fresh.keys() == {"beat", "token"}
-        pad._handle_custom_msg({"act": "allow", "press": "view", "token": fresh["token"]}, [])
+        from_page(pad, {"act": "allow", "press": "view", "token": fresh["token"]})
         assert pad.stopped is False
-        assert "token" in pad.hear("press", "r")
+        assert "token" in pad.from_page("press", "r")
         pad.rests()
         assert pad.heard[-1] == ZERO
 
@@ -563,10 +563,10 @@ class TestStop:
         now = [100.0]
         pad._tokens = Tokens(ALLOW_LIFETIME, lambda: now[0])
         pad.stopped = True
-        token = pad.hear("beat", "view")["token"]
-        assert pad.hear("allow", "view", token=token + 1) == {"refused": "view"}
+        token = pad.from_page("beat", "view")["token"]
+        assert pad.from_page("allow", "view", token=token + 1) == {"refused": "view"}
         now[0] += ALLOW_LIFETIME + 0.1
-        assert pad.hear("allow", "view", token=token) == {"refused": "view"}
+        assert pad.from_page("allow", "view", token=token) == {"refused": "view"}
         assert pad.stopped is True
 
     def test_tokens_that_no_page_returns_are_forgotten(self) -> None:
@@ -582,7 +582,7 @@ class TestStop:
         token = pad.hold(forward=1)
         pad.stopped = True
         pad.stopped = False
-        assert pad.hear("hold", token=token, forward=1)["over"] == "late"
+        assert pad.from_page("hold", token=token, forward=1)["over"] == "late"
         pad.rests()
         assert pad.heard[-1] == ZERO
         pad.hold("q", forward=1)
@@ -592,11 +592,11 @@ class TestStop:
         pad.hold(forward=1)
         pad.stop()
         assert pad.stopped is False
-        assert "token" in pad.hear("press", "q")
+        assert "token" in pad.from_page("press", "q")
 
     def test_a_feeds_latch_is_the_pads_and_stops_its_program(self, feed: Feed, script: Scripted, other: Pad) -> None:
         feed.drive(0.2, 0.5)
-        other._handle_custom_msg({"act": "stop", "press": "view"}, [])
+        from_page(other, {"act": "stop", "press": "view"})
         assert feed.stopped is True
         with pytest.raises(FeedError, match="stop is latched"):
             feed.drive(0.2, 0.5)
@@ -662,29 +662,29 @@ class TestToThePage:
 class TestProgram:
     @pytest.mark.usefixtures("holds")
     def test_stop_ends_the_press(self, pad: Pad) -> None:
-        pad.hear("hold", token=pad.press(), forward=1)
+        pad.from_page("hold", token=pad.press(), forward=1)
         wait_for(lambda: pad.heard, "it drives")
         pad.stop()
         pad.rests()
         assert [speed for speed, _ in groupby(pad.heard)] == [(0.5, 0.0), ZERO]  # zero may come twice
-        assert pad.hear("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "released"
+        assert pad.from_page("hold", token=pad.answers[-1]["token"], forward=1)["over"] == "released"
 
     @pytest.mark.usefixtures("holds")
     def test_switched_off_it_stops_and_drives_no_more(self, pad: Pad) -> None:
-        pad.hear("hold", token=pad.press(), forward=1)
+        pad.from_page("hold", token=pad.press(), forward=1)
         wait_for(lambda: pad.heard, "it drives")
         pad.enabled = False
         pad.rests()
         assert [speed for speed, _ in groupby(pad.heard)] == [(0.5, 0.0), ZERO]  # zero may come twice
-        assert pad.hear("press") == {"press": "p", "over": "disabled"}
+        assert pad.from_page("press") == {"press": "p", "over": "disabled"}
         pad.enabled = True
-        assert "token" in pad.hear("press")
+        assert "token" in pad.from_page("press")
 
     @pytest.mark.usefixtures("holds")
     def test_closed_it_has_stopped_the_robot_and_left_no_thread(self) -> None:
         for _ in range(20):
             pad = Pad()
-            pad.hear("hold", token=pad.press(), forward=1)
+            pad.from_page("hold", token=pad.press(), forward=1)
             wait_for(lambda pad=pad: pad.heard, "it drives")
             pad.close()
             assert pad.heard == [(0.5, 0.0), ZERO]
@@ -766,7 +766,7 @@ class TestProgram:
 
 def test_nothing_of_a_usual_drive_is_logged(pad: Pad, caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.DEBUG, "robowidgets"):
-        pad.hear("hold", token=pad.press(), forward=1)
-        pad.hear("release")
+        pad.from_page("hold", token=pad.press(), forward=1)
+        pad.from_page("release")
         pad.rests()
     assert caplog.records == []

@@ -13,7 +13,7 @@ from robowidgets.feeds import Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 
 from ..feeds.scripted import Scripted
-from ..pages import Page
+from ..pages import Page, from_page
 from ..waiting import wait_for
 
 
@@ -32,7 +32,7 @@ def bar(feed: Feed) -> Iterator[StopWidget]:
 
 def hear(bar: StopWidget, act: str, **more: Any) -> None:
     """Send a message of the page."""
-    bar._handle_custom_msg({"act": act, "press": "view", **more}, [])
+    from_page(bar, {"act": act, "press": "view", **more})
 
 
 def test_it_shows_the_driver_and_the_warnings_about_it(feed: Feed, bar: StopWidget) -> None:

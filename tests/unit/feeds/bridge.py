@@ -51,7 +51,7 @@ class Rosbridge(Server):
         except AttributeError as error:
             self.log.append(f"Exception calling subscribe callback: {error}")
         else:
-            self._loop.call_soon_threadsafe(self._throttle, topic, asked, frame)
+            self.loop.call_soon_threadsafe(self._throttle, topic, asked, frame)
 
     def _throttle(self, topic: str, asked: dict[str, Any], frame: Any) -> None:
         """Send one waiting frame in each interval; drop the oldest of the frames that wait meanwhile."""
@@ -59,13 +59,13 @@ class Rosbridge(Server):
         waiting.append(frame)
         while len(waiting) > max(1, asked["queue_length"]):
             waiting.popleft()
-        now = self._loop.time()
+        now = self.loop.time()
         due = max(now, self._sent_at.get(topic, 0.0) + pause)
         if len(waiting) == 1:
-            self._loop.call_later(due - now, self._send_first, topic)
+            self.loop.call_later(due - now, self._send_first, topic)
 
     def _send_first(self, topic: str) -> None:
-        self._sent_at[topic] = self._loop.time()
+        self._sent_at[topic] = self.loop.time()
         for frame in self._waiting.pop(topic, ()):
             self.send(frame)
 
@@ -84,29 +84,29 @@ class Rosbridge(Server):
             said = await queue.get()
             await asyncio.sleep(self.delay)
             try:
-                getattr(self, f"_{said['op']}")(client, said)
+                getattr(self, f"on_{said['op']}")(client, said)
             except Exception as error:
                 self.log.append(f"{said['op']}: {error}")
 
-    def _subscribe(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
+    def on_subscribe(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
         self._check(said["topic"], said.get("type"))
         self.subscribed[said["topic"]] = said
 
-    def _unsubscribe(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
+    def on_unsubscribe(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
         self.subscribed.pop(said["topic"], None)
 
-    def _advertise(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
+    def on_advertise(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
         self._check(said["topic"], said["type"])
         if said["type"].split("/")[0] in self.missing:
             raise ValueError(f"Unable to import {said['type'].split('/')[0]}.msg from package")
         self.advertised[said["topic"]] = said["type"]
 
-    def _publish(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
+    def on_publish(self, _client: WebSocketHandler, said: dict[str, Any]) -> None:
         if said["topic"] not in self.advertised:
             self._check(said["topic"], None)
         self.published.append((said["topic"], said["msg"]))
 
-    def _call_service(self, client: WebSocketHandler, said: dict[str, Any]) -> None:
+    def on_call_service(self, client: WebSocketHandler, said: dict[str, Any]) -> None:
         topic = said["args"].get("topic", "")
         values = {
             "/rosapi/topics": {"topics": list(self.topics), "types": list(self.topics.values())},

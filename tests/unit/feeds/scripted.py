@@ -23,7 +23,7 @@ class Scripted:
 
     def __init__(self, *topics: Advert, connected: bool = True) -> None:
         self.asked: list[tuple[str, str]] = []
-        self._followed: frozenset[str] = frozenset()
+        self.followed: frozenset[str] = frozenset()
         self.sent: list[tuple[str, str, Mapping[str, Any]]] = []
         self.closed = 0
         self.asks_for_nodes = False
@@ -42,9 +42,9 @@ class Scripted:
 
     def follow(self, topics: frozenset[str], each: frozenset[str] = frozenset()) -> None:
         self.each = each
-        self.asked += [("subscribe", topic) for topic in topics - self._followed]
-        self.asked += [("unsubscribe", topic) for topic in self._followed - topics]
-        self._followed = topics
+        self.asked += [("subscribe", topic) for topic in topics - self.followed]
+        self.asked += [("unsubscribe", topic) for topic in self.followed - topics]
+        self.followed = topics
 
     def ask_for_nodes(self, wanted: bool) -> None:
         self.asks_for_nodes = wanted

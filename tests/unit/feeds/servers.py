@@ -41,7 +41,7 @@ class Server:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._loop.call_soon_threadsafe(self._end.set)
+        self.loop.call_soon_threadsafe(self._end.set)
         self._thread.join()
 
     def on_open(self, client: WebSocketHandler) -> None:
@@ -56,7 +56,7 @@ class Server:
     def stall(self) -> Callable[[], None]:
         """Read and answer nothing until the returned function is called; the network still accepts data."""
         stalled, go_on = threading.Event(), threading.Event()
-        self._loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(120)))
+        self.loop.call_soon_threadsafe(lambda: (stalled.set(), go_on.wait(120)))
         assert stalled.wait(120)
         return go_on.set
 
@@ -65,15 +65,15 @@ class Server:
         ready = threading.Event()
 
         def stop_reading() -> None:
-            self._read = self._loop.create_future()
+            self._read = self.loop.create_future()
             ready.set()
 
-        self._loop.call_soon_threadsafe(stop_reading)
+        self.loop.call_soon_threadsafe(stop_reading)
         assert ready.wait(120)
 
     def send(self, said: Any) -> None:
         """Send something to every client, from any thread: bytes and text as they are, everything else as JSON."""
-        self._loop.call_soon_threadsafe(lambda: [self.tell(client, said) for client in list(self.clients)])
+        self.loop.call_soon_threadsafe(lambda: [self.tell(client, said) for client in list(self.clients)])
 
     def tell(self, client: WebSocketHandler, said: Any) -> None:
         frame = said if isinstance(said, (bytes, str)) else json.dumps(said)
@@ -84,13 +84,13 @@ class Server:
 
     def drop(self) -> None:
         """Drop every connection without a closing handshake, from any thread."""
-        self._loop.call_soon_threadsafe(lambda: [client.ws_connection.stream.close() for client in self.clients])
+        self.loop.call_soon_threadsafe(lambda: [client.ws_connection.stream.close() for client in self.clients])
 
     def heard_op(self, op: str) -> list[Any]:
         return [said for said in self.heard if isinstance(said, dict) and said.get("op") == op]
 
     async def _serve(self) -> None:
-        self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()
+        self.loop, self._end = asyncio.get_running_loop(), asyncio.Event()
         server = self
 
         class Handler(WebSocketHandler):

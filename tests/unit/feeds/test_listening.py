@@ -18,6 +18,7 @@ from robowidgets.samples.staleness import LISTED, SEEN_FOR
 from robowidgets.wires_widget import Wire
 
 from ..clocks import ManualClock
+from ..pages import from_page
 from ..waiting import wait_for
 from .scripted import IMU, SCAN, Scripted, scan
 
@@ -53,7 +54,7 @@ class Looking:
         monkeypatch.setattr(self.view.topic_list, "send", self.told.append)
 
     def look(self, *names: str) -> None:
-        self.view.topic_list._on_page(None, {"look": [*names]}, None)
+        from_page(self.view.topic_list, {"look": [*names]})
 
     def says(self, name: str) -> dict[str, Any]:
         """The last report of a topic to the page: its text, its rate, its count."""
@@ -78,10 +79,10 @@ def test_rates_and_values_come_of_the_topics_that_a_page_looks_at_and_of_no_othe
     script: Scripted, page: Looking, clock: ManualClock
 ) -> None:
     clock.advance(60)
-    assert (script._followed, page.told) == ({"/scan"}, [])
+    assert (script.followed, page.told) == ({"/scan"}, [])
     page.look("/scan", "/temperature")
     clock.advance()
-    assert script._followed == {"/scan", "/temperature"}
+    assert script.followed == {"/scan", "/temperature"}
     assert page.says("/temperature") == {"value": "nothing yet", "rate": None, "messages": None}
     for _ in range(4):
         script.listener.on_message("/temperature", {"data": 21.5})
@@ -97,29 +98,29 @@ def test_a_list_that_is_folded_and_a_page_that_has_gone_cost_nothing(
 ) -> None:
     page.look("/temperature")
     clock.advance()
-    assert "/temperature" in script._followed
+    assert "/temperature" in script.followed
     page.look()
     clock.advance(1)
-    assert (script._followed, page.told[-1]) == ({"/scan"}, {"values": {}, "now": {}})
+    assert (script.followed, page.told[-1]) == ({"/scan"}, {"values": {}, "now": {}})
     page.look("/temperature")
     clock.advance(SEEN_FOR - 1)
     page.look("/temperature")
     clock.advance(SEEN_FOR - 1)
-    assert "/temperature" in script._followed
+    assert "/temperature" in script.followed
     clock.advance(2)
-    assert script._followed == {"/scan"}
+    assert script.followed == {"/scan"}
     told = len(page.told)
     clock.advance(60)
     assert len(page.told) == told
     page.look("/temperature")
     page.view.close()
     clock.advance(1)
-    assert script._followed == frozenset()
+    assert script.followed == frozenset()
 
 
 def test_two_views_of_a_list_each_have_what_they_show(script: Scripted, page: Looking, clock: ManualClock) -> None:
     def look(view: str, *names: str) -> None:
-        page.view.topic_list._on_page(None, {"look": [*names], "view": view}, None)
+        from_page(page.view.topic_list, {"look": [*names], "view": view})
 
     look("one", "/scan", "/temperature")
     look("other", "/scan")
@@ -152,14 +153,14 @@ def test_large_topics_are_glanced_at_one_after_the_other_for_a_few_messages(
 ) -> None:
     page.look("/left", "/right")
     clock.advance()
-    assert script._followed == {"/scan", "/left"}
+    assert script.followed == {"/scan", "/left"}
     send(script, clock, "/left", PICTURE, 8, 0.04)
-    assert script._followed == {"/scan"}
+    assert script.followed == {"/scan"}
     clock.advance(UPDATE_PERIOD_S)
     assert page.says("/left") == {"value": "height 480, width 640", "rate": 25.0, "messages": None}
-    assert script._followed == {"/scan", "/right"}  # which is silent
+    assert script.followed == {"/scan", "/right"}  # which is silent
     clock.advance(PROBE_TIMEOUT_S + UPDATE_PERIOD_S)
-    assert script._followed == {"/scan"}
+    assert script.followed == {"/scan"}
     assert page.says("/right") == {"value": "", "rate": None, "messages": None}
     clock.advance(PROBE_PAUSE_S)
     assert script.asked.count(("subscribe", "/left")) == 2
@@ -172,9 +173,9 @@ def test_a_topic_that_is_very_fast_is_glanced_at_once_its_rate_is_known(
     clock.advance()
     send(script, clock, "/imu", {"data": 1.0}, 400, 0.005)
     assert page.says("/imu")["rate"] == pytest.approx(2 * PROBED_RATE_HZ, rel=0.02)
-    assert script._followed == {"/scan"}
+    assert script.followed == {"/scan"}
     clock.advance(PROBE_PAUSE_S)
-    assert script._followed == {"/scan", "/imu"}
+    assert script.followed == {"/scan", "/imu"}
     send(script, clock, "/imu", {"data": 1.0}, 150, 0.01)
     assert page.says("/imu")["rate"] == pytest.approx(PROBED_RATE_HZ, rel=0.02)
 
@@ -188,7 +189,7 @@ def test_a_large_topic_that_is_shown_anyway_is_counted_in_full(
     send(script, clock, "/left", PICTURE, 20, 0.1)
     assert page.says("/left")["messages"] == 20
     clock.advance(PROBE_TIMEOUT_S + 1)
-    assert "/left" in script._followed
+    assert "/left" in script.followed
 
 
 def test_a_topic_that_is_silent_says_so(script: Scripted, page: Looking, clock: ManualClock) -> None:

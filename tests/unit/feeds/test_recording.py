@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import threading
 from itertools import pairwise
 from pathlib import Path
 
@@ -16,6 +14,7 @@ from robowidgets.feeds.replay import Played
 from robowidgets.recordings import RecordingData
 
 from ..clocks import ManualClock
+from ..pages import synced
 from ..recordings import recorded
 from ..recordings.test_definitions import unknown_recording
 from ..waiting import wait_for
@@ -43,9 +42,9 @@ def test_a_recording_is_played_to_its_end_at_any_speed(clock: ManualClock) -> No
         clock.advance(0.0501)
         assert got == [stamp for seconds, stamp in recorded if seconds <= 5.01]
         clock.advance(duration / 100 - 0.0502)
-        assert laser._source["status"] == ""
+        assert synced(laser, "_source")["status"] == ""
         clock.advance(0.0002)
-        assert laser._source["status"] == "sample.mcap is at its end"
+        assert synced(laser, "_source")["status"] == "sample.mcap is at its end"
     assert got == [stamp for _, stamp in recorded]
 
 
@@ -112,31 +111,6 @@ def test_a_real_recording_plays(data: Path) -> None:
         (laser,) = view.widgets.values()
         wait_for(lambda: laser.scan, "a scan has come")
         assert len(laser.scan) == 512
-
-
-def test_it_may_be_closed_at_any_time_and_in_a_callback() -> None:
-    for _ in range(20):
-        feeds.recording(SAMPLE).close()
-    feed = feeds.recording(SAMPLE)
-    feed.connect("/scan", lambda _: feed.close())
-    wait_for(lambda: "robowidgets-replay" not in {t.name for t in threading.enumerate()}, "its thread has ended")
-
-
-@pytest.mark.skipif(not os.path.isdir("/proc/self/fd"), reason="open files are counted in Linux's /proc")
-def test_twenty_opens_and_closes_leave_no_thread_and_no_file() -> None:
-    def once() -> None:
-        came = threading.Event()
-        with feeds.recording(SAMPLE, speed=10.0, loop=True) as feed:
-            feed.connect("/scan", lambda _: came.set())
-            assert came.wait(120)
-
-    once()
-    files, threads = len(os.listdir("/proc/self/fd")), threading.active_count()
-    for _ in range(20):
-        once()
-    # Threads end a moment after the feed, also the last ones of earlier tests.
-    wait_for(lambda: len(os.listdir("/proc/self/fd")) <= files, "every file is closed")
-    wait_for(lambda: threading.active_count() <= threads, "every thread has ended")
 
 
 def test_words_for_what_cannot_be_played(tmp_path: Path) -> None:

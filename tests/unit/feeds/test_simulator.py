@@ -111,27 +111,6 @@ def test_its_topics_are_there_at_once() -> None:
             assert [topic.name for topic in feed.topics] == ["/scan", "/odom", "/cmd_vel", "/bumper"]
 
 
-def test_unrequested_messages_are_not_delivered() -> None:
-    scans: list[Scan] = []
-    with feeds.simulator(hz=100.0) as feed:
-        feed.connect("/scan", scans.append)
-        wait_for(lambda: scans, "a scan has come")
-        feed.disconnect("/scan")
-        other: list[Speed] = []
-        feed.connect("/odom", other.append)
-        wait_for(lambda: other, "a speed has come")
-        count = len(scans)
-        wait_for(lambda: len(other) > 30, "time has passed")
-        assert len(scans) == count
-
-
-def test_it_may_be_closed_in_a_callback() -> None:
-    feed = feeds.simulator(hz=100.0)
-    feed.connect("/scan", lambda _: feed.close())
-    wait_for(lambda: "robowidgets-simulator" not in {t.name for t in threading.enumerate()}, "its thread has ended")
-    wait_for(lambda: feed.status == "the feed is closed", "it says so")
-
-
 def test_a_robot_whose_listener_was_held_up_catches_up_with_a_second_and_no_more() -> None:
     clock, robot, held = ManualClock(), Robot(World([])), threading.Event()
     live = real_time.RealTime(robot, 50.0, False, [SPEED.simulated], clock)

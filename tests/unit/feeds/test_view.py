@@ -19,7 +19,7 @@ from robowidgets.stop_widget import StopWidget
 from robowidgets.topics_widget import TopicsWidget
 from robowidgets.wires_widget import WiresWidget
 
-from ..pages import widgets_by_place
+from ..pages import from_page, synced, widgets_by_place
 from ..waiting import wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 
@@ -124,27 +124,27 @@ def test_a_number_in_a_message_is_plotted_when_the_page_asks_for_it(opened: Open
     (message,) = view.widgets.values()
     assert isinstance(message, MessageWidget)
     assert message._plots
-    message._handle_custom_msg({"plot": "angular_velocity.z"}, [])
+    from_page(message, {"plot": "angular_velocity.z"})
     (plot,) = [widget for widget in view.children if isinstance(widget, PlotWidget)]
     script.listener.on_message("/imu", {"angular_velocity": {"z": 0.25}})
     assert plot.names == ("/imu.angular_velocity.z",)
     assert plot["/imu.angular_velocity.z"][1].tolist() == [0.25]
     assert message["angular_velocity.z"] == 0.25
-    message._handle_custom_msg({"plot": 3}, [])
-    message._handle_custom_msg("plot", [])
+    from_page(message, {"plot": 3})
+    from_page(message, "plot")
 
 
 def test_the_list_of_topics_shows_the_wires_below_the_rest_which_open_messages_on_the_screen(opened: Opened) -> None:
     feed, _ = opened(ODOM, SCAN)
     view = feed.show("/scan")
-    view.topic_list._handle_custom_msg({"toggle": "the wires", "on": True}, [])
+    from_page(view.topic_list, {"toggle": "the wires", "on": True})
     assert view.children[-1] is view.wires
     assert isinstance(view.wires, WiresWidget)
     assert [wire.name for wire in view.wires.wait().wires] == ["/odom", "/scan"]
     for _ in range(2):  # again, too
-        view.wires._handle_custom_msg({"open": "/odom"}, [])
+        from_page(view.wires, {"open": "/odom"})
         assert isinstance(view.widgets["/odom"], MessageWidget)
-        view.wires._handle_custom_msg({"open": "/odom"}, [])
+        from_page(view.wires, {"open": "/odom"})
         assert list(view.widgets) == ["/scan"]
     wires = view.wires
     view.topic_list.wires = False
@@ -183,7 +183,9 @@ def test_a_program_and_its_machine_are_shown_from_the_first_on_and_the_machine_f
     assert program.program is not still
     laser.paused = True
     assert machine.paused
-    assert machine._together == laser._source["robot"], "the page freezes it with widgets elsewhere, too"
+    assert synced(machine, "_together") == synced(laser, "_source")["robot"], (
+        "the page freezes it with widgets elsewhere, too"
+    )
     assert (named.program, named.machine) == (None, None)
     later = feed.show()
     assert later.program is not None
@@ -269,10 +271,10 @@ def test_the_bar_freezes_the_group_of_the_view(opened: Opened) -> None:
     feed, script = opened(SCAN)
     view, empty = feed.show(), feed.show("/odom")
     bar, laser = view.children[0], view.widgets["/scan"]
-    assert bar._together == laser._together != ""
-    assert empty.children[0]._together == ""
+    assert synced(bar, "_together") == synced(laser, "_together") != ""
+    assert synced(empty.children[0], "_together") == ""
     script.listener.on_topics([SCAN, BUMPER])
-    assert bar._together == laser._together == view.widgets["/bumper"]._together
+    assert synced(bar, "_together") == synced(laser, "_together") == synced(view.widgets["/bumper"], "_together")
 
 
 def test_types_of_unknown_names_are_known_from_their_first_message(opened: Opened) -> None:
@@ -311,7 +313,7 @@ def test_a_connection_that_is_lost_is_reported_by_the_widgets_themselves(opened:
     view = feed.show()
     script.listener.on_lost("refused", 1.0)
     assert words(view) == ""
-    assert view.widgets["/scan"]._source["status"] == "connection lost, trying again in 1 s: refused"
+    assert synced(view.widgets["/scan"], "_source")["status"] == "connection lost, trying again in 1 s: refused"
 
 
 def test_the_cell_of_a_view_next_to_the_notebook_shows_a_bar_which_is_closed_with_the_view(opened: Opened) -> None:

@@ -1,13 +1,11 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import itertools
 import json
 import os
 import socket
 import threading
-import weakref
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -24,7 +22,7 @@ from ..clocks import ManualClock
 from ..waiting import wait_for
 from .ears import Ears
 from .fox import OldFoxglove, cdr, channel
-from .servers import Server, free_port
+from .servers import Server
 
 # A connection behaves the same with every protocol: here it is foxglove.
 
@@ -113,25 +111,6 @@ def test_without_tornado_opening_says_what_to_install(monkeypatch: pytest.Monkey
         Foxglove().open(ears)
 
 
-def test_closing_twice_or_before_opening_does_nothing(ears: Ears) -> None:
-    middleware = Foxglove(f"ws://127.0.0.1:{free_port()}")
-    middleware.close()
-    middleware.open(ears)
-    middleware.close()
-    middleware.close()
-    assert ears.connected == 0
-
-
-def test_it_may_be_closed_in_a_callback(scanning: tuple[OldFoxglove, Foxglove], ears: Ears) -> None:
-    server, middleware = scanning
-    ears.then = lambda *_: middleware.close()
-    server.log(1, cdr())
-    wait_for(lambda: not server.clients, "the connection ended")
-    wait_for(lambda: _threads() == [], "its thread ended")
-    assert len(ears.messages) == 1
-    assert ears.lost == []
-
-
 def test_an_unanswered_attempt_shows_what_to_compare_while_it_goes_on(ears: Ears, clock: ManualClock) -> None:
     with Raw(lambda taken: taken.recv(1)) as silent:
         middleware = Foxglove(silent.address, clock)
@@ -166,7 +145,7 @@ def test_a_connection_that_is_cut_is_made_again_and_what_was_asked_for_comes(
 
 def test_the_farewell_of_a_robot_is_quoted(scanning: tuple[OldFoxglove, Foxglove], ears: Ears) -> None:
     server, _ = scanning
-    server._loop.call_soon_threadsafe(lambda: server.clients[0].close(1001, "battery\nlow"))
+    server.loop.call_soon_threadsafe(lambda: server.clients[0].close(1001, "battery\nlow"))
     wait_for(lambda: ears.lost, "it was lost")
     assert ears.lost == ["the connection ended: battery low"]
 
@@ -406,7 +385,7 @@ def hung(taking: tuple[OldFoxglove, Foxglove], clock: ManualClock) -> Iterator[t
     def send() -> None:
         while not over.wait(0.005):
             server.log(1, cdr())
-            server._loop.call_soon_threadsafe(answer, pings[-1])
+            server.loop.call_soon_threadsafe(answer, pings[-1])
 
     sending = threading.Thread(target=send)
     sending.start()
@@ -452,7 +431,7 @@ def test_a_robot_may_answer_only_the_last_of_several_pings(
         if opcode != PONG:
             return write(fin, opcode, data, *flags, **more)
         pings.append(data)
-        done = server._loop.create_future()
+        done = server.loop.create_future()
         done.set_result(None)
         return done
 
@@ -462,7 +441,7 @@ def test_a_robot_may_answer_only_the_last_of_several_pings(
     assert refusal(middleware, {"linear": {"x": 1.0}})
     monkeypatch.undo()
     assert len(set(pings)) > 1
-    server._loop.call_soon_threadsafe(pong_of(server), pings[-1])
+    server.loop.call_soon_threadsafe(pong_of(server), pings[-1])
     wait_for(lambda: not refusal(middleware, {"linear": {"x": 1.0}}), "a speed is sent")
 
 
@@ -638,32 +617,6 @@ def test_a_server_that_takes_calls_and_drops_them_is_called_ever_more_rarely(ear
         close(middleware, clock)
 
 
-def test_twenty_opens_and_closes_leave_no_thread_no_socket_and_no_memory(ears: Ears) -> None:
-    there: list[weakref.ref[Foxglove]] = []
-    with OldFoxglove([channel(1)]) as server:
-
-        def once(wait: bool) -> None:
-            middleware = Foxglove(server.address)
-            middleware.follow(frozenset({"/scan"}))
-            before = ears.connected
-            middleware.open(ears)
-            if wait:
-                wait_for(lambda: ears.connected > before, "it is connected")
-            middleware.close()
-            there.append(weakref.ref(middleware))
-
-        once(True)
-        wait_for(lambda: not server.clients, "the server knows of it")
-        before = _descriptors()
-        for i in range(20):
-            once(i % 2 == 0)
-        wait_for(lambda: not server.clients, "every connection ended")
-        assert _threads() == []
-        wait_for(lambda: _descriptors() <= before, "every socket is closed")
-    gc.collect()
-    assert [ref for ref in there if ref() is not None] == []
-
-
 class TickingClock(RealClock):
     """A clock whose reading takes half a millisecond."""
 
@@ -687,7 +640,7 @@ def test_frames_that_wait_hold_up_every_other_call_in_the_thread_for_five_millis
         for _ in range(200):
             server.log(1, cdr())
         sent = threading.Event()
-        server._loop.call_soon_threadsafe(sent.set)
+        server.loop.call_soon_threadsafe(sent.set)
         assert sent.wait(120)
         go_on.set()
         last = cdr(distance=7.0)

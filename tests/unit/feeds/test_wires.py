@@ -20,7 +20,7 @@ from robowidgets.widget.timed_frame import FRAME_HEADER
 from robowidgets.wires_widget import NotebookPart, Wire
 
 from ..clocks import ManualClock
-from ..pages import Page
+from ..pages import Page, from_page, synced
 from ..waiting import wait_for
 from .scripted import Scripted, scan
 
@@ -106,11 +106,11 @@ def test_rates_and_values_come_while_a_page_looks_and_cost_nothing_after(
         clock.advance(0.05)
     image = wire(wires, "/image")
     assert (image.value, image.rate, image.age) == ("height 480, width 640", pytest.approx(20), pytest.approx(0.05))
-    assert script._followed == {"/scan"}
+    assert script.followed == {"/scan"}
 
     wires.look(False)
     clock.advance(1)
-    assert (script._followed, script.asks_for_nodes) == (set(), False)
+    assert (script.followed, script.asks_for_nodes) == (set(), False)
     seen: list[int] = []
     wires.observe(lambda: seen.append(1))
     clock.advance(60)
@@ -126,10 +126,10 @@ def test_a_page_that_has_gone_without_a_word_is_forgotten(
     clock.advance(SEEN_FOR - 1)
     assert ("unsubscribe", "/scan") not in script.asked
     clock.advance(2)
-    assert script._followed == set()
+    assert script.followed == set()
     wires.look(True)
     clock.advance()
-    assert "/scan" in script._followed
+    assert "/scan" in script.followed
 
 
 def test_some_of_many_topics_are_listened_to_in_addition_to_connected_ones(
@@ -142,7 +142,7 @@ def test_some_of_many_topics_are_listened_to_in_addition_to_connected_ones(
     feed.connect("/image", take)
     clock.advance(1)
     assert ("subscribe", "/image") in script.asked
-    assert len(script._followed) == MAX_TOPICS + 1
+    assert len(script.followed) == MAX_TOPICS + 1
     script.listener.on_message("/number_0", {"data": -0.25})
     assert wire(wires, "/number_0").value == "\N{MINUS SIGN}0.25"
 
@@ -157,7 +157,7 @@ def test_a_topic_that_the_notebook_listens_to_anyway_is_counted_whatever_its_siz
     assert wire(wires, "/image").value == "640×480 mono8"
     feed.disconnect("/image")
     clock.advance(1)
-    assert script._followed == {"/scan"}
+    assert script.followed == {"/scan"}
 
 
 def test_the_notebooks_part_says_how_often_it_ran_and_what_it_got_and_gave(
@@ -261,18 +261,18 @@ def test_the_page_gets_all_of_it_in_a_frame_without_what_is_not_known(script: Sc
     assert page.state["title"] == "the script"
     assert {*page.threads} <= {"robowidgets-pacer"}
     widget.close()
-    wait_for(lambda: not script._followed, "nothing is listened to any more")
+    wait_for(lambda: not script.followed, "nothing is listened to any more")
 
 
 def test_a_page_says_that_it_looks_and_opens_the_messages_of_a_topic(script: Scripted, feed: Feed) -> None:
     view = feed.wires()
     widget = view.wires
-    wait_for(lambda: script._followed == {"/scan"}, "it listens")
-    widget._on_page(widget, {"look": False}, [])
-    wait_for(lambda: script._followed == frozenset(), "it does not listen")
-    widget._on_page(widget, {"look": True}, [])
-    widget._on_page(widget, {"open": "/image"}, [])
-    wait_for(lambda: script._followed == {"/scan", "/image"}, "it listens to what was opened")
+    wait_for(lambda: script.followed == {"/scan"}, "it listens")
+    from_page(widget, {"look": False})
+    wait_for(lambda: script.followed == frozenset(), "it does not listen")
+    from_page(widget, {"look": True})
+    from_page(widget, {"open": "/image"})
+    wait_for(lambda: script.followed == {"/scan", "/image"}, "it listens to what was opened")
     message = view.messages["/image"]
     script.listener.on_message("/image", {"height": 480, "width": 640})
     assert message["height"] == 480
@@ -284,22 +284,22 @@ def test_a_page_says_that_it_looks_and_opens_the_messages_of_a_topic(script: Scr
 
     wait_for(is_told, "it is reported there, too")
     for nonsense in ("/none", 3, None):
-        widget._on_page(widget, {"open": nonsense, "look": nonsense}, [])
-    widget._on_page(widget, "nonsense", [])
+        from_page(widget, {"open": nonsense, "look": nonsense})
+    from_page(widget, "nonsense")
     assert list(view.messages) == ["/image"]
-    widget._on_page(widget, {"open": "/image"}, [])
+    from_page(widget, {"open": "/image"})
     assert (view.messages, view.children) == ({}, (widget,))
-    wait_for(lambda: script._followed == {"/scan"}, "it does not listen to that any more")
+    wait_for(lambda: script.followed == {"/scan"}, "it does not listen to that any more")
     view.toggle("/image")
     view.close()
-    wait_for(lambda: script._followed == frozenset(), "nothing is listened to")
+    wait_for(lambda: script.followed == frozenset(), "nothing is listened to")
     assert feed.connection.widgets == ()
 
 
 def test_a_closed_feed_ends_it_in_words(feed: Feed) -> None:
     widget = feed.wires().wires
     feed.close()
-    wait_for(lambda: widget._source["status"] == "the feed is closed", "it is reported")
+    wait_for(lambda: synced(widget, "_source")["status"] == "the feed is closed", "it is reported")
     with pytest.raises(FeedError, match="is closed: open it again"):
         feed.wires()
     widget.close()

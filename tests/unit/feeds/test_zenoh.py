@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import re
-import socket
 import struct
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,7 +21,8 @@ from robowidgets.messages.encoding import encode
 
 from ..waiting import wait_for
 from .ears import Ears
-from .robot_process import RobotProcess
+from .processes import Process
+from .servers import free_port
 
 SCAN, TWIST, STAMPED = "sensor_msgs/msg/LaserScan", "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 STRING, RANGE = "std_msgs/msg/String", "sensor_msgs/msg/Range"
@@ -36,16 +34,16 @@ def moving(x: float) -> dict[str, Any]:
     return {"linear": vector | {"x": x}, "angular": vector}
 
 
-Start = Callable[..., RobotProcess]
+Start = Callable[..., Process]
 
 
 @pytest.fixture
 def start() -> Iterator[Start]:
     """Starts processes, which end with the test, also if it fails."""
-    there: list[RobotProcess] = []
+    there: list[Process] = []
 
-    def start_one(script: str, *arguments: Any) -> RobotProcess:
-        there.append(RobotProcess(script, *arguments))
+    def start_one(script: str, *arguments: Any) -> Process:
+        there.append(Process(script, *arguments))
         return there[-1]
 
     yield start_one
@@ -53,30 +51,24 @@ def start() -> Iterator[Start]:
         one.kill()
 
 
-def free_port() -> int:
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 @pytest.fixture
 def port() -> int:
     return free_port()
 
 
-def start_router(start: Start, port: int, *others: str) -> RobotProcess:
+def start_router(start: Start, port: int, *others: str) -> Process:
     router = start("zenoh_router.py", port, *others)
     assert router.heard() == "ready"
     return router
 
 
 @pytest.fixture
-def router(start: Start, port: int) -> RobotProcess:
+def router(start: Start, port: int) -> Process:
     return start_router(start, port)
 
 
 @pytest.fixture
-def robot(start: Start, port: int, router: RobotProcess) -> RobotProcess:
+def robot(start: Start, port: int, router: Process) -> Process:
     return start("zenoh_robot.py", port, 0)
 
 
@@ -86,14 +78,14 @@ def heard() -> Ears:
 
 
 @pytest.fixture
-def zenoh(port: int, heard: Ears, router: RobotProcess) -> Iterator[Zenoh]:
+def zenoh(port: int, heard: Ears, router: Process) -> Iterator[Zenoh]:
     zenoh = Zenoh(f"tcp/127.0.0.1:{port}")
     zenoh.open(heard)
     yield zenoh
     zenoh.close()
 
 
-def until(robot: RobotProcess, condition: Callable[[], object], what: str, *do: Any) -> None:
+def until(robot: Process, condition: Callable[[], object], what: str, *do: Any) -> None:
     def done() -> bool:
         if condition():
             return True
@@ -103,7 +95,7 @@ def until(robot: RobotProcess, condition: Callable[[], object], what: str, *do: 
     wait_for(done, what)
 
 
-def obey(robot: RobotProcess, heard: Ears, kind: str = TWIST) -> None:
+def obey(robot: Process, heard: Ears, kind: str = TWIST) -> None:
     """Make the robot report the speeds that it gets, and wait until it is discovered."""
     robot.do("hear", "/cmd_vel", kind)
     assert robot.heard() == "ready"
@@ -118,7 +110,7 @@ def is_wanted(heard: Ears, topic: str, kind: str = TWIST) -> Callable[[], bool]:
     return lambda: any((one.name, one.type, one.wanted) == (topic, kind, True) for one in heard.topics or ())
 
 
-def test_a_scan_comes_with_its_topic_type_and_node(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_a_scan_comes_with_its_topic_type_and_node(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/robot1/scan"}))
     write = ("write", "/robot1/scan", SCAN, scan(90), "front_laser", "/robot1")
     until(robot, lambda: heard.of("/robot1/scan"), "a scan comes", *write)
@@ -129,9 +121,7 @@ def test_a_scan_comes_with_its_topic_type_and_node(zenoh: Zenoh, heard: Ears, ro
     wait_for(lambda: not heard.topics, "the topic is gone")
 
 
-def test_only_the_domain_that_was_asked_for_is_listed(
-    start: Start, router: RobotProcess, port: int, heard: Ears
-) -> None:
+def test_only_the_domain_that_was_asked_for_is_listed(start: Start, router: Process, port: int, heard: Ears) -> None:
     robot = start("zenoh_robot.py", port, 3)
     robot.do("write", "/scan", SCAN, scan(3))
     other = Ears()
@@ -144,7 +134,7 @@ def test_only_the_domain_that_was_asked_for_is_listed(
 
 
 def test_the_speed_and_the_zero_arrive_and_the_zero_is_confirmed_by_the_router(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess
+    zenoh: Zenoh, heard: Ears, robot: Process
 ) -> None:
     obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
@@ -152,7 +142,7 @@ def test_the_speed_and_the_zero_arrive_and_the_zero_is_confirmed_by_the_router(
     assert (robot.heard(), robot.heard()) == ([0.2, 0.0], [0.0, 0.0])
 
 
-def test_a_stamped_speed_reaches_the_subscriber_of_its_type(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_a_stamped_speed_reaches_the_subscriber_of_its_type(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     obey(robot, heard, STAMPED)
     header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"}
     zenoh.publish("/cmd_vel", STAMPED, {"header": header, "twist": moving(0.3)})
@@ -161,7 +151,7 @@ def test_a_stamped_speed_reaches_the_subscriber_of_its_type(zenoh: Zenoh, heard:
         zenoh.publish("/cmd_vel", TWIST, moving(0.2))
 
 
-def test_zero_is_repeated_because_nothing_confirms_it(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_zero_is_repeated_because_nothing_confirms_it(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
     zenoh.publish("/cmd_vel", TWIST, moving(0.0))
@@ -169,7 +159,7 @@ def test_zero_is_repeated_because_nothing_confirms_it(zenoh: Zenoh, heard: Ears,
 
 
 def test_without_a_subscriber_speeds_are_refused_and_a_lost_zero_is_reported(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess
+    zenoh: Zenoh, heard: Ears, robot: Process
 ) -> None:
     wait_for(lambda: heard.connected, "the router answers")
     with pytest.raises(NotConnectedYetError, match="no subscriber"):
@@ -186,7 +176,7 @@ def test_without_a_subscriber_speeds_are_refused_and_a_lost_zero_is_reported(
 
 
 def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess, start: Start, port: int
+    zenoh: Zenoh, heard: Ears, robot: Process, start: Start, port: int
 ) -> None:
     obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
@@ -199,7 +189,7 @@ def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
     assert (again.heard(), again.heard()) == ("ready", [0.0, 0.0])
 
 
-def test_a_zero_right_before_closing_arrives(heard: Ears, robot: RobotProcess, port: int) -> None:
+def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Process, port: int) -> None:
     robot.do("hear", "/cmd_vel", TWIST)
     assert robot.heard() == "ready"
     zenoh = Zenoh(f"tcp/127.0.0.1:{port}")
@@ -212,7 +202,7 @@ def test_a_zero_right_before_closing_arrives(heard: Ears, robot: RobotProcess, p
 
 
 def test_a_router_that_is_killed_and_started_again_is_found_again(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess, router: RobotProcess, start: Start, port: int
+    zenoh: Zenoh, heard: Ears, robot: Process, router: Process, start: Start, port: int
 ) -> None:
     zenoh.follow(frozenset({"/scan"}))
     robot.do("flood", "/scan", SCAN, 0.02, scan(9))
@@ -236,7 +226,7 @@ def test_a_router_that_is_killed_and_started_again_is_found_again(
 
 
 def test_a_router_that_hangs_is_reported_and_does_not_confirm_zero(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess, router: RobotProcess, monkeypatch: pytest.MonkeyPatch
+    zenoh: Zenoh, heard: Ears, robot: Process, router: Process, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(_zenoh_session, "ROBOT_GONE", 2.0)
     obey(robot, heard)
@@ -253,7 +243,7 @@ def test_a_router_that_hangs_is_reported_and_does_not_confirm_zero(
 
 
 def test_speeds_are_refused_while_the_router_does_not_answer(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess, router: RobotProcess
+    zenoh: Zenoh, heard: Ears, robot: Process, router: Process
 ) -> None:
     obey(robot, heard)
     zenoh.publish("/cmd_vel", TWIST, moving(0.2))
@@ -270,7 +260,7 @@ def test_speeds_are_refused_while_the_router_does_not_answer(
     assert not heard.lost
 
 
-def test_a_topic_behind_a_second_router_is_reached(start: Start, router: RobotProcess, port: int, heard: Ears) -> None:
+def test_a_topic_behind_a_second_router_is_reached(start: Start, router: Process, port: int, heard: Ears) -> None:
     far = free_port()
     start_router(start, far, f"tcp/127.0.0.1:{port}")
     robot = start("zenoh_robot.py", far, 0)
@@ -280,9 +270,7 @@ def test_a_topic_behind_a_second_router_is_reached(start: Start, router: RobotPr
         until(robot, lambda: heard.of("/scan"), "a scan comes", "write", "/scan", SCAN, scan(5))
 
 
-def test_a_message_that_its_publisher_keeps_reaches_late_subscribers(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess
-) -> None:
+def test_a_message_that_its_publisher_keeps_reaches_late_subscribers(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     raw = encode("cdr", STRING, {"data": "a map"})
     robot.do("put", "/map_name", STRING, hash_of(STRING), KEPT, raw.hex())
     wait_for(lambda: any(one.name == "/map_name" for one in heard.topics or ()), "the topic is listed")
@@ -292,7 +280,7 @@ def test_a_message_that_its_publisher_keeps_reaches_late_subscribers(
 
 
 def test_a_type_with_other_fields_under_the_same_name_is_reported_and_not_decoded(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess
+    zenoh: Zenoh, heard: Ears, robot: Process
 ) -> None:
     zenoh.follow(frozenset({"/scan"}))
     until(robot, lambda: heard.troubles.get("/scan"), "it is reported", "put", "/scan", SCAN, "RIHS01_00", VOLATILE, "")
@@ -301,7 +289,7 @@ def test_a_type_with_other_fields_under_the_same_name_is_reported_and_not_decode
     assert not heard.of("/scan")
 
 
-def test_the_report_of_other_fields_ends_with_their_publisher(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_the_report_of_other_fields_ends_with_their_publisher(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/name"}))
     put = ("put", "/name", STRING, "RIHS01_00", VOLATILE, "")
     until(robot, lambda: heard.troubles.get("/name"), "it is reported", *put)
@@ -311,21 +299,21 @@ def test_the_report_of_other_fields_ends_with_their_publisher(zenoh: Zenoh, hear
     wait_for(lambda: not heard.troubles["/name"], "the report ends")
 
 
-def test_an_unknown_type_is_named(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_an_unknown_type_is_named(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/riddle"}))
     put = ("put", "/riddle", "nobody_msgs/msg/Riddle", "RIHS01_00", VOLATILE, "")
     until(robot, lambda: heard.troubles.get("/riddle"), "it is reported", *put)
     assert "/riddle comes as nobody_msgs/msg/Riddle, a type that is not known here" in heard.troubles["/riddle"]
 
 
-def test_a_range_with_the_hash_of_its_fields_is_read(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_a_range_with_the_hash_of_its_fields_is_read(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/sonar"}))
     values = {"min_range": 0.1, "max_range": 4.0, "range": 1.5, "variance": 0.5}
     until(robot, lambda: heard.of("/sonar"), "it comes", "write", "/sonar", RANGE, values)
     assert heard.of("/sonar")[0].variance == 0.5
 
 
-def test_a_range_of_humble_which_has_no_hashes_is_read(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_a_range_of_humble_which_has_no_hashes_is_read(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/sonar"}))
     raw = b"\0\1\0\0" + struct.pack("<iII1sB2xffff", 0, 0, 1, b"\0", 0, 0.0, 0.1, 4.0, 1.5)
     put = ("put", "/sonar", RANGE, "TypeHashNotSupported", VOLATILE, raw.hex())
@@ -333,9 +321,7 @@ def test_a_range_of_humble_which_has_no_hashes_is_read(zenoh: Zenoh, heard: Ears
     assert heard.of("/sonar")[0].range == pytest.approx(1.5)
 
 
-def test_a_truncated_message_is_reported_until_a_whole_one_comes(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess
-) -> None:
+def test_a_truncated_message_is_reported_until_a_whole_one_comes(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/name"}))
     put = ("put", "/name", STRING, hash_of(STRING), VOLATILE)
     until(robot, lambda: heard.troubles.get("/name"), "it is reported", *put, "0001000009000000")
@@ -344,7 +330,7 @@ def test_a_truncated_message_is_reported_until_a_whole_one_comes(
     assert heard.troubles["/name"] == ""
 
 
-def test_lost_messages_are_counted_if_each_is_wanted(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_lost_messages_are_counted_if_each_is_wanted(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/name"}), frozenset({"/name"}))
     put = ("put", "/name", STRING, hash_of(STRING), VOLATILE, encode("cdr", STRING, {"data": "ok"}).hex())
     until(robot, lambda: heard.of("/name"), "one comes", *put)
@@ -354,7 +340,7 @@ def test_lost_messages_are_counted_if_each_is_wanted(zenoh: Zenoh, heard: Ears, 
 
 
 @pytest.mark.slow
-def test_messages_of_100_mb_come(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
+def test_messages_of_100_mb_come(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/image"}))
     size = 100_000_000
     kind = "sensor_msgs/msg/Image"
@@ -369,7 +355,7 @@ def test_messages_of_100_mb_come(zenoh: Zenoh, heard: Ears, robot: RobotProcess)
 
 
 def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(
-    zenoh: Zenoh, heard: Ears, robot: RobotProcess, port: int
+    zenoh: Zenoh, heard: Ears, robot: Process, port: int
 ) -> None:
     obey(robot, heard)
     for mark in (MARK, "robowidgets_guard_of_another"):
@@ -386,32 +372,6 @@ def test_the_guard_of_another_kernel_is_another_publisher_and_ours_is_not(
                     lambda: any(one.publishers == ("/robowidgets_guard_of_another",) for one in heard.topics or ()),
                     "the other one is listed",
                 )
-
-
-def test_no_message_comes_after_unsubscribing(zenoh: Zenoh, heard: Ears, robot: RobotProcess) -> None:
-    zenoh.follow(frozenset({"/scan", "/other"}))
-    until(robot, lambda: heard.of("/scan"), "a scan comes", "write", "/scan", SCAN, scan(3))
-    zenoh.follow(frozenset({"/other"}))
-    count = len(heard.of("/scan"))
-    robot.do("write", "/scan", SCAN, scan(4))
-    until(robot, lambda: heard.of("/other"), "another comes", "write", "/other", SCAN, scan(5))
-    assert [len(one.ranges) for one in heard.of("/scan")[count:]] in ([], [3])
-
-
-def test_twenty_opens_and_closes_leave_no_thread(router: RobotProcess, port: int) -> None:
-    def threads() -> list[str]:
-        """The names of the threads, without Zenoh's pool, which grows to its limit once and stays."""
-        names = [path.read_text().strip() for path in Path("/proc/self/task").glob("*/comm")]
-        return sorted(name for name in names if not re.fullmatch(r"(app|acc|net|rx|tx)-\d+", name))
-
-    before = threads()
-    for _ in range(20):
-        ears = Ears()
-        with closing(Zenoh(f"tcp/127.0.0.1:{port}")) as zenoh:
-            zenoh.open(ears)
-            wait_for(lambda: ears.connected, "the router answers")  # noqa: B023
-            assert threads() != before, "its threads are seen"
-    wait_for(lambda: threads() == before, "its threads have ended")
 
 
 def test_an_address_without_a_router_says_what_to_check(heard: Ears, port: int) -> None:

@@ -20,6 +20,7 @@ from robowidgets.fleet._sheet import Sheet
 from robowidgets.recordings.search.base import condition
 from robowidgets.sheet_widget import SheetWidget
 
+from ..pages import from_page, synced
 from .executors import Here
 
 JS = Path(__file__).parents[2] / "js" / "sheet.test.ts"
@@ -171,7 +172,7 @@ def test_the_sheet_holds_the_hits_by_column_and_the_files_that_were_not_read(she
 
 
 def test_a_click_opens_the_player_at_the_moment_with_all_moments_of_the_file_marked(sheet: Sheet, hits: Hits) -> None:
-    sheet.widget._on_page(sheet.widget, {"open": 12}, [])
+    from_page(sheet.widget, {"open": 12})
     player = sheet.player
     assert player is not None
     assert str(player.recording.path) == hits[12].file
@@ -179,9 +180,9 @@ def test_a_click_opens_the_player_at_the_moment_with_all_moments_of_the_file_mar
     assert len(player.marks) == sum(hit.file == hits[12].file for hit in hits)
     assert sheet.children == (sheet.widget, player)
     other = next(i for i, hit in enumerate(hits) if hit.file == hits[12].file and i != 12)
-    sheet.widget._on_page(sheet.widget, {"open": other}, [])
+    from_page(sheet.widget, {"open": other})
     assert sheet.player is player  # it is open already
-    sheet.widget._on_page(sheet.widget, {"open": 0}, [])
+    from_page(sheet.widget, {"open": 0})
     assert sheet.player is not player
     assert sheet.widget._opened == 0
 
@@ -191,8 +192,8 @@ def test_a_moment_whose_file_is_gone_is_reported_and_the_open_one_stays(sheet: S
     player = sheet.player
     last = len(hits) - 1
     Path(hits[last].file).unlink()
-    sheet.widget._on_page(sheet.widget, {"open": last}, [])
-    assert Path(hits[last].file).name in sheet.widget._status
+    from_page(sheet.widget, {"open": last})
+    assert Path(hits[last].file).name in synced(sheet.widget, "_status")
     assert sheet.player is player
 
 
@@ -205,17 +206,17 @@ def test_the_program_gets_picked_and_marked_moments(sheet: Sheet, hits: Hits) ->
 
 
 def test_a_label_that_the_user_gives_a_moment_is_saved_next_to_its_recording(sheet: Sheet, hits: Hits) -> None:
-    sheet.widget._on_page(sheet.widget, {"label": [2, " door "]}, [])
+    from_page(sheet.widget, {"label": [2, " door "]})
     assert sheet.widget.labels == {"2": "door"}
     with robowidgets.open(hits[2].file) as recording:
         assert [one[:3] for one in recording.labels] == [("door", hits[2].start, hits[2].end)]
-        sheet.widget._on_page(sheet.widget, {"label": [3, " "]}, [])
-        assert "expected a name" in sheet.widget._status
+        from_page(sheet.widget, {"label": [3, " "]})
+        assert "expected a name" in synced(sheet.widget, "_status")
         # Another name replaces it, and an empty one removes it.
-        sheet.widget._on_page(sheet.widget, {"label": [2, "wall"]}, [])
+        from_page(sheet.widget, {"label": [2, "wall"]})
         assert [one.label for one in recording.labels] == ["wall"]
-        assert sheet.widget._status == ""
-        sheet.widget._on_page(sheet.widget, {"label": [2, ""]}, [])
+        assert synced(sheet.widget, "_status") == ""
+        from_page(sheet.widget, {"label": [2, ""]})
         assert recording.labels == ()
     assert sheet.widget.labels == {}
 
@@ -231,7 +232,7 @@ def test_a_sheet_has_the_earlier_labels_of_spans_and_the_labels_of_its_player(sh
     bar = again.player.bar
     assert [name for _, _, name in bar.labels] == ["door", "elsewhere"]
     door = [hits[1].start, hits[1].end, "door"]
-    again.player._on_page(bar, {"label": [[*door[:2], "wall"], door]}, [])
+    from_page(bar, {"label": [[*door[:2], "wall"], door]})
     assert again.widget.labels == {"1": "wall"}
     again.label_hit(1, "")
     assert [name for _, _, name in bar.labels] == ["elsewhere"]

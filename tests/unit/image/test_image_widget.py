@@ -16,7 +16,7 @@ from robowidgets.widget import large_frames
 from robowidgets.widget.pacer import pacer
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
-from ..pages import Page
+from ..pages import Page, from_page
 from ..waiting import wait_for
 
 COLORS = np.arange(4 * 6 * 3, dtype=np.uint8).reshape(4, 6, 3)
@@ -35,7 +35,7 @@ def page(widget: ImageWidget) -> Page:
 
 
 def ask(widget: ImageWidget, question: dict[str, Any]) -> None:
-    widget._handle_custom_msg(question, [])
+    from_page(widget, question)
 
 
 def test_pixels_and_regions_are_read_as_of_an_array(widget: ImageWidget) -> None:

@@ -26,7 +26,7 @@ from robowidgets.sonar.row import SONAR
 from robowidgets.speed.row import SPEED
 from robowidgets.touch.row import TOUCH
 
-from ...fourth_kind.number import NUMBER
+from ...more_rows.gauges import GAUGE
 
 VECTOR = {"x": "float64", "y": "float64", "z": "float64"}
 SCAN = {
@@ -176,7 +176,7 @@ def test_a_table_names_all_widgets_of_a_topic(row: tuple[str | None, str, bool],
 def test_a_row_that_cannot_be_is_refused(changed: dict[str, Any], text: str) -> None:
     before = dict(KINDS)
     with pytest.raises(ValueError, match=text):
-        kinds.add(replace(NUMBER, **changed))
+        kinds.add(replace(GAUGE, **changed))
     assert before == KINDS
 
 
@@ -184,7 +184,21 @@ def test_a_row_that_cannot_be_is_refused(changed: dict[str, Any], text: str) -> 
 @pytest.mark.parametrize("given", ["module:name", LaserWidget])
 def test_a_row_with_a_name_or_a_class_instead_of_a_function_is_refused(key: str, given: Any) -> None:
     with pytest.raises(TypeError, match=f"{key}: expected a function that imports and returns the class, got"):
-        kinds.add(replace(NUMBER, **{key: given}))
+        kinds.add(replace(GAUGE, **{key: given}))
     with pytest.raises(TypeError, match=r"row: expected a kinds\.Kind or a kinds\.OnDemandWidget, got"):
         kinds.add(given)
-    assert NUMBER.name not in KINDS
+    assert GAUGE.name not in KINDS
+
+
+def test_only_a_kind_may_have_no_widget() -> None:
+    with pytest.raises(TypeError, match="widget: expected a function that imports and returns the class, got None"):
+        kinds.add(kinds.OnDemandWidget(name="lost", widget=None))
+
+
+def test_a_row_is_added_with_the_kinds_of_its_roles_or_not_at_all() -> None:
+    before = dict(KINDS)
+    taken = replace(GAUGE, name="laser", sample_name="level", roles=(Role(name="level"),), widget=None)
+    row = replace(GAUGE, roles=(Role(name="gauge"), Role(name="level", take="level", kind=taken)))
+    with pytest.raises(ValueError, match="name: expected an identifier other than"):
+        kinds.add(row)
+    assert before == KINDS

@@ -20,8 +20,9 @@ from robowidgets.recording import Recording
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.screens.player import Player
 
-from ...fourth_kind.on_demand import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
+from ...more_rows.on_demand import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
 from ..feeds.scripted import IMU, ODOM, SCAN, Scripted
+from ..pages import from_page
 from ..recordings import recorded
 from ..recordings.sweeps import TYPE as LASER_SCAN
 from ..waiting import wait_for
@@ -227,8 +228,8 @@ class TestAnArrangement:
         player = recording.show("/says", "/temperature")
         try:
             assert player.arrangement == ["/says", "/temperature"]
-            player.topic_list._on_page(None, {"toggle": "/place", "on": True}, None)
-            player.topic_list._on_page(None, {"toggle": "/temperature", "on": False}, None)
+            from_page(player.topic_list, {"toggle": "/place", "on": True})
+            from_page(player.topic_list, {"toggle": "/temperature", "on": False})
             assert player.arrangement == ["/says", "/place"]
             assert shown(player) == [("WordsWidget", ("/says",)), ("AnyWidget", ("/place",))]
             kept = player.views[0].widget
@@ -251,9 +252,9 @@ class TestAnArrangement:
     def test_all_may_be_taken_off(self, recording: Recording) -> None:
         player = recording.show("/says")
         try:
-            player.topic_list._on_page(None, {"toggle": "/says", "on": False}, None)
+            from_page(player.topic_list, {"toggle": "/says", "on": False})
             assert (player.arrangement, player.views) == ([], ())
-            player.topic_list._on_page(None, {"toggle": "/says", "on": True}, None)
+            from_page(player.topic_list, {"toggle": "/says", "on": True})
             assert player.arrangement == ["/says"]
         finally:
             player.close()
@@ -271,10 +272,10 @@ class TestAnArrangement:
         script = Scripted(ODOM, SCAN)
         with Feed(script) as feed:
             view = feed.show()
-            view.topic_list._on_page(None, {"toggle": "/scan", "on": False}, None)
+            from_page(view.topic_list, {"toggle": "/scan", "on": False})
             assert view.arrangement == ["/odom"]
             script.listener.on_topics((ODOM, SCAN, NUMBER))
-            view.topic_list._on_page(None, {"toggle": "/temperature", "on": True}, None)
+            from_page(view.topic_list, {"toggle": "/temperature", "on": True})
             assert view.arrangement == ["/odom", "/temperature"]
             assert view.widgets.keys() == {"/odom", "/temperature"}
 
@@ -293,7 +294,7 @@ class TestAnArrangement:
         first = run("a cell", "/says", "/temperature")
         first.arrangement = ["/temperature", ["/temperature.data"]]
         assert first.topic_list is not None
-        first.topic_list._on_page(None, {"toggle": "/place", "on": True}, None)
+        from_page(first.topic_list, {"toggle": "/place", "on": True})
         chosen = first.arrangement
         assert "/place" in chosen
         assert run("a cell", "/says", "/temperature").arrangement == chosen

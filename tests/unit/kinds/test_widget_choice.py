@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from robowidgets import kinds
 from robowidgets.feeds._topics import FeedTopic
-from robowidgets.kinds import Role, is_command
+from robowidgets.kinds import is_command
 from robowidgets.kinds.choice import TopicSelection, choose_instead, choose_widgets
 from robowidgets.messages.channel import Channel
 from robowidgets.messages.decoding import shape_of
 from robowidgets.messages.fields import get
 from robowidgets.plots.row import PLOTTED
 
-from ...fourth_kind.number import NUMBER, added
-from ...fourth_kind.on_demand import AnyWidget
+from ...more_rows.gauges import added
+from ...more_rows.on_demand import AnyWidget
 
 
 @pytest.mark.parametrize(
@@ -88,13 +86,12 @@ def listed(**widget_of: str) -> list[FeedTopic]:
 
 def test_all_topics_of_a_namespace_share_a_widget_where_the_role_is_of_each() -> None:
     with added():
-        kinds.add(replace(NUMBER, roles=(Role(name="numbers", combine=lambda samples, _: samples),)), replace=True)
-        topics = listed(a__left="number", b__left="number", scan="laser", a__right="number", top="number")
+        topics = listed(a__left="gauge", b__left="gauge", scan="laser", a__right="gauge", top="gauge")
         chosen = choose_widgets(topics)
         assert [choice.topics for choice in chosen] == [("/scan",), ("/a/left", "/a/right"), ("/b/left",), ("/top",)]
         assert [choice.titles for choice in chosen[1:]] == [("/a",), ("/b/left",), ("/top",)]
         assert [choice.make().title for choice in chosen[1:]] == ["/a", "/b/left", "/top"]
-        more = choose_widgets([*topics, *listed(a__back="number", b__back="number")])
+        more = choose_widgets([*topics, *listed(a__back="gauge", b__back="gauge")])
         assert [one.is_like(other) for one, other in zip(chosen, more, strict=True)] == [True] * 4
 
 

@@ -12,6 +12,8 @@ import robowidgets
 from robowidgets import LaserWidget, Scan
 from robowidgets.samples.distances import indices_at
 
+from ..pages import synced
+
 INF, NAN = float("inf"), float("nan")
 
 
@@ -92,7 +94,7 @@ class TestGhost:
         laser = LaserWidget()
         laser.update(scan(1.0, 2.0, frame_id="first"))
         laser.get_state()
-        by_page = laser._frame
+        by_page = synced(laser, "_frame")
         laser.update(scan(3.0, 3.0, frame_id="second"))
         laser.get_state()
         laser.ghost = laser.scan

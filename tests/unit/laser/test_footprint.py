@@ -9,16 +9,18 @@ import pytest
 
 from robowidgets import Footprint, LaserWidget, Sector, SpeedWidget, TouchWidget, screen
 
+from ..pages import synced
+
 
 def test_the_page_gets_the_outline_the_bumpers_and_the_widgets_of_the_view() -> None:
     laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
     body = Footprint(radius=0.2, bumpers={"left": ("10deg", "80deg")}, scanner=(0.1, 0, "180deg"))
     laser.footprint = body
     assert laser.footprint is body
-    assert (laser._robot["speed"], laser._robot["touch"]) == ("", "")
+    assert (synced(laser, "_robot")["speed"], synced(laser, "_robot")["touch"]) == ("", "")
     screen(laser, speed, touch)
     laser.footprint = body
-    assert laser._robot == {
+    assert synced(laser, "_robot") == {
         "radius": 0.2,
         "polygon": [],
         "bumpers": {"left": {"start": radians(10), "end": radians(80)}},
@@ -29,21 +31,21 @@ def test_the_page_gets_the_outline_the_bumpers_and_the_widgets_of_the_view() -> 
     other = SpeedWidget()
     corners = [(0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2), (0.3, -0.2)]
     laser.footprint = Footprint(polygon=corners, scanner=(0, 0), speed=other, bumpers={"front": Sector(-0.2, 0.2)})
-    assert (laser._robot["speed"], laser._robot["polygon"][0]) == (other.model_id, [0.3, 0.2])
+    assert (synced(laser, "_robot")["speed"], synced(laser, "_robot")["polygon"][0]) == (other.model_id, [0.3, 0.2])
     laser.footprint = None
-    assert laser._robot == {}
+    assert synced(laser, "_robot") == {}
 
 
 def test_a_footprint_takes_the_widgets_of_a_view_that_is_made_later() -> None:
     laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
     laser.footprint = Footprint(radius=0.18, bumpers={"left": ("15deg", "80deg")})
     screen(laser, speed)
-    assert (laser._robot["speed"], laser._robot["touch"]) == (speed.model_id, "")
+    assert (synced(laser, "_robot")["speed"], synced(laser, "_robot")["touch"]) == (speed.model_id, "")
     screen(laser, speed, touch)
-    assert (laser._robot["speed"], laser._robot["touch"]) == (speed.model_id, touch.model_id)
+    assert (synced(laser, "_robot")["speed"], synced(laser, "_robot")["touch"]) == (speed.model_id, touch.model_id)
     plain = LaserWidget()
     screen(plain, speed)
-    assert plain._robot == {}
+    assert synced(plain, "_robot") == {}
 
 
 def test_a_closed_widget_is_not_a_widget_of_a_footprint() -> None:
@@ -51,7 +53,7 @@ def test_a_closed_widget_is_not_a_widget_of_a_footprint() -> None:
     screen(laser, speed, touch)
     speed.close()
     laser.footprint = Footprint(radius=0.2)
-    assert (laser._robot["speed"], laser._robot["touch"]) == ("", touch.model_id)
+    assert (synced(laser, "_robot")["speed"], synced(laser, "_robot")["touch"]) == ("", touch.model_id)
 
 
 @pytest.mark.parametrize(
@@ -83,4 +85,4 @@ def test_something_else_leaves_the_footprint_as_it_is() -> None:
     laser.footprint = Footprint(radius=0.2)
     with pytest.raises(TypeError, match=r"footprint: expected a Footprint or None, got 0\.3"):
         laser.footprint = 0.3  # type: ignore[assignment]
-    assert laser._robot["radius"] == 0.2
+    assert synced(laser, "_robot")["radius"] == 0.2

@@ -88,13 +88,13 @@ class TestProgress:
             for cell in json.loads((ROOT / "notebooks" / f"{name}.ipynb").read_text("utf-8"))["cells"]:
                 if re.fullmatch(r"task-\d", cell["id"]):
                     given.add(fingerprint("".join(cell["source"])))
-        assert given == _progress._GIVEN, "put these into _GIVEN: " + " ".join(sorted(given))
+        assert given == _progress.GIVEN, "put these into GIVEN: " + " ".join(sorted(given))
         assert len(given) == len(TASKS)
         assert fingerprint("def f():  # ein\n    return 1\n\nresult = 2") == fingerprint("def f():\n  return 1  # a")
         assert fingerprint("def f():\n    return 2") != fingerprint("def f():\n    return 1")
 
     def test_a_right_answer_is_kept_though_another_task_gives_it(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(_progress, "fingerprint", lambda _cell: next(iter(_progress._GIVEN)))
+        monkeypatch.setattr(_progress, "fingerprint", lambda _cell: next(iter(_progress.GIVEN)))
         progress = lessons.progress()
         wrong(1)
         assert not Path(FILE).exists()
@@ -142,7 +142,7 @@ class TestProgress:
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setenv("NBGRADER_EXECUTION", "autograde")
-        for cell in ("", next(iter(_progress._GIVEN))):
+        for cell in ("", next(iter(_progress.GIVEN))):
             monkeypatch.setattr(_progress, "fingerprint", lambda _cell, cell=cell: cell)
             write(Path(FILE), {"bumper_reflex": Task(tries=3, done=True)})
             progress = lessons.progress()
@@ -375,7 +375,7 @@ def test_assignments_have_a_cell_for_each_answer_and_a_locked_one_that_checks_it
             }
             grade_ids.add((name, graded["grade_id"]))
             answer = "".join(before["source"])
-            assert fingerprint(answer) in _progress._GIVEN
+            assert fingerprint(answer) in _progress.GIVEN
             if name == "from_picture_to_code":
                 names: dict[str, object] = {"lessons": lessons}
                 with pytest.raises(AssertionError, match="right in "):

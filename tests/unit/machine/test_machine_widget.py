@@ -17,7 +17,7 @@ from robowidgets.widget.pacer import INTERVAL
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from ..feeds.scripted import SCAN, Scripted, scan
-from ..pages import Page
+from ..pages import Page, from_page, synced
 from ..waiting import wait_for
 
 # ruff: noqa: N801, N805
@@ -228,10 +228,10 @@ def test_an_event_that_made_a_move_is_true_in_the_first_frame_after_it(robot: Fe
 def test_the_page_knows_which_widgets_are_of_the_robot(script: Scripted, robot: Feed, page: Page) -> None:
     laser = LaserWidget()
     robot.connect("/scan", laser)
-    assert page.state["_together"] == page.state["_source"]["robot"] == laser._source["robot"]
+    assert page.state["_together"] == page.state["_source"]["robot"] == synced(laser, "_source")["robot"]
     with Feed(Scripted(SCAN)) as other:
         other.connect("/scan", stranger := LaserWidget())
-        assert stranger._source["robot"] != laser._source["robot"]
+        assert synced(stranger, "_source")["robot"] != synced(laser, "_source")["robot"]
 
 
 def test_it_takes_a_feed_alone() -> None:
@@ -273,13 +273,13 @@ def test_the_page_sends_a_machine_to_a_state_unless_a_busy_kernel_delayed_that(r
     wait_for(lambda: machine.active == ("first",), "it runs")
     widget._trait_values["_beat"] = 9
     for content in ({"go": "Walker.second", "beat": 5}, {"go": "Walker.second"}, {"go": "Walker.second", "beat": 10}):
-        widget._handle_custom_msg(content, [])
+        from_page(widget, content)
     assert sent == [{"refused": "the kernel was busy: press it again"}] * 3
-    widget._handle_custom_msg({"go": "Walker.third", "beat": 8}, [])
+    from_page(widget, {"go": "Walker.third", "beat": 8})
     assert sent[-1] == {"refused": "Walker has no state 'third'; there are first, second"}
     steps = program.steps
     wait_for(lambda: program.steps > steps + 2, "it steps on")
     assert machine.active == ("first",)
-    widget._handle_custom_msg({"go": "Walker.second", "beat": 8}, [])
+    from_page(widget, {"go": "Walker.second", "beat": 8})
     wait_for(lambda: machine.active == ("second",), "it has gone there")
     widget.close()

@@ -28,6 +28,7 @@ from robowidgets.samples import Pose
 from robowidgets.samples.map_item import NO_FIX, MapItem, Scatter
 
 from ... import map_scene as scene
+from ..pages import synced
 from ..recordings import recorded
 from ..waiting import wait_for
 
@@ -601,8 +602,8 @@ class TestRecordings:
     def test_two_frames_that_nothing_joins_are_each_drawn_alone(self, data: Path) -> None:
         player, view = self.track(data, "topics/scitos_amcl.bag", "/odom", "/amcl_pose")
         path = view.widget
-        assert [layer["name"] for layer in path._map["layers"]] == ["/odom", "/amcl_pose", "/scan"]
-        assert path._map["frames"] == ["odom", "map"]
+        assert [layer["name"] for layer in synced(path, "_map")["layers"]] == ["/odom", "/amcl_pose", "/scan"]
+        assert synced(path, "_map")["frames"] == ["odom", "map"]
         assert drawn_in(path) == {"/odom": "odom", "/amcl_pose": "map", "/scan": None}
         (*_, last) = view.track.frames(30.0, 31.0)
         assert last.about["missing"] == {"/scan": "not drawn: no transform to odom"}
@@ -614,7 +615,7 @@ class TestRecordings:
     @pytest.mark.slow
     def test_tf_draws_the_scan_where_the_robot_was(self, data: Path) -> None:
         player, view = self.track(data, "good/neato_fsm", "/odom", "/tf")
-        names = [layer["name"] for layer in view.widget._map["layers"]]
+        names = [layer["name"] for layer in synced(view.widget, "_map")["layers"]]
         assert names == ["/odom", "/scan", "/stable_scan", "odom->base_link"]
         (*_, last) = view.track.frames(10.0, 11.0)
         assert "missing" not in last.about
@@ -679,7 +680,7 @@ class TestReadingOnlyPartsOfARecording:
         player = played(recorded.write(tmp_path / "x", types, [(0.0, "/fix", fix(nan, nan, -1)), *poses]), *types)
         (frame, ways), view = way_of(player), map_of(player)
         assert (frame, ways[1][-1, 1]) == ("odom", 49.0)
-        assert view.widget._map["frames"] == ["odom"]
+        assert synced(view.widget, "_map")["frames"] == ["odom"]
         (*_, last) = view.track.frames(1.0, 2.0)
         assert last.about["missing"] == {"/fix": "not drawn: no message has a place"}
         player.close()
@@ -700,7 +701,7 @@ class TestReadingOnlyPartsOfARecording:
         for _ in range(2):
             player = played(path, "/pose")
             ways.append(way_of(player)[1][0])
-            (layer,) = map_of(player).widget._map["layers"]
+            (layer,) = synced(map_of(player).widget, "_map")["layers"]
             player.close()
         assert layer["note"] == "path from about 1 of 8 of 1,200 messages"
         assert ways[0].tobytes() == ways[1].tobytes()
@@ -729,7 +730,7 @@ class TestReadingOnlyPartsOfARecording:
         update = {"x": 1, "y": 2, "width": 1, "height": 1, "data": np.array([99], np.int8)}
         path = recorded.write(tmp_path / "x", types, [(0.0, "/map", grid), (1.0, "/map_updates", update)])
         player = played(path, "/map")
-        (layer,) = map_of(player).widget._map["layers"]
+        (layer,) = synced(map_of(player).widget, "_map")["layers"]
         assert layer["note"] == "1 update on /map_updates not drawn"
         player.close()
         with robowidgets.open(path) as recording:
@@ -741,7 +742,7 @@ class TestPlayer:
     def test_topics_that_are_asked_for_are_on_one_map_with_scan_and_tf(self, drive: Path) -> None:
         player = played(drive, "/map", "/odom", "/amcl_pose", "/plan", "/particles", "/local_costmap")
         view = map_of(player)
-        names = [layer["name"] for layer in view.widget._map["layers"]]
+        names = [layer["name"] for layer in synced(view.widget, "_map")["layers"]]
         assert names == ["/odom", "/map", "/amcl_pose", "/plan", "/particles", "/local_costmap", "/scan"]
         (*_, last) = view.track.frames(8.0, 9.0)
         placed = {names[one.number]: one for one in unpack_layers(last.frame[64:])}
@@ -804,7 +805,7 @@ class TestPlayer:
         often = ((0.5 * i, "/map", told) for i in range(50))
         path = recorded.write(tmp_path / "often", {"/map": scene.TYPES["/map"]}, often)
         player = played(path, "/map")
-        (layer,) = map_of(player).widget._map["layers"]
+        (layer,) = synced(map_of(player).widget, "_map")["layers"]
         assert layer["note"] == "17 of 50 maps shown"
         player.close()
 

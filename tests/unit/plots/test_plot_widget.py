@@ -21,6 +21,7 @@ from robowidgets.plots.frame import pack
 from robowidgets.plots.line import GrowingLine, slope
 from robowidgets.recordings import RecordingError
 
+from ..pages import from_page, synced
 from ..recordings import recorded
 
 
@@ -195,11 +196,11 @@ def test_a_part_that_the_page_looks_at_comes_with_each_value(plot: PlotWidget) -
     times = np.arange(1_000_000) / 1000
     plot.set_line("v", times, times)
     assert len(sent(plot)[0][1].times) < 5000
-    plot._wanted = [500.0, 501.0, 800.0]
+    plot.set_state({"_wanted": [500.0, 501.0, 800.0]})
     total, rows = rows_of(plot.get_state()["_detail"])[0]
     assert total == 1_000_000
     assert np.array_equal(rows.times[1:-1], times[500_000:501_001])
-    plot._wanted = []
+    plot.set_state({"_wanted": []})
     assert plot.get_state()["_detail"] == b""
 
 
@@ -233,11 +234,11 @@ def test_what_is_on_show_of_a_long_line_rests_after_each_time_as_long_as_that_co
         plot.update(v=i, time=10 + i / 1000)
         now += 3 / 64
         plot._compose()
-        came.append(rows_of(plot._detail)[0][1].values[-1])
+        came.append(rows_of(synced(plot, "_detail"))[0][1].values[-1])
     assert came == [0] * 7 + [7] * 2
     plot.window = 1.0
     plot._compose()
-    assert rows_of(plot._detail)[0][1].values[-1] == 8, "the visible part comes at once"
+    assert rows_of(synced(plot, "_detail"))[0][1].values[-1] == 8, "the visible part comes at once"
 
 
 def test_the_oldest_values_go_when_there_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -413,7 +414,9 @@ def test_a_page_of_a_long_line_that_is_on_show_has_its_finer_columns(
     plot.set_line("v", np.arange(100_000) / 1000, np.random.default_rng(3).normal(size=100_000))
     ((_, coarse),) = sent(plot)
     written: list[bytes] = []
-    monkeypatch.setattr("robowidgets.export.widget_page.write", lambda widget, *_: written.append(widget._lines))
+    monkeypatch.setattr(
+        "robowidgets.export.widget_page.write", lambda widget, *_: written.append(synced(widget, "_lines"))
+    )
     plot.to_html(tmp_path / "plot.html")
     ((total, rows),) = rows_of(written[0])
     assert total == 100_000
@@ -468,11 +471,11 @@ class TestWithOthers:
         plot = PlotWidget()
         plot.set_line("a", [0, 1], [0, 1])
         plot.offer(["b", "c"], lambda name: plot.set_line(name, [0], [1]))
-        plot._handle_custom_msg({"add": "b"}, [])
+        from_page(plot, {"add": "b"})
         assert plot.names == ("a", "b")
-        plot._handle_custom_msg({"take_out": "a"}, [])
+        from_page(plot, {"take_out": "a"})
         assert plot.names == ("b",)
-        plot._handle_custom_msg({"take_out": "a"}, [])
+        from_page(plot, {"take_out": "a"})
         assert plot.names == ("b",)
 
 

@@ -14,7 +14,7 @@ from robowidgets.behaviors import Drive
 from robowidgets.driving import driving_widget
 from robowidgets.feeds import Driving, Feed
 
-from ..pages import Page
+from ..pages import Page, from_page
 from ..waiting import wait_for
 
 
@@ -27,7 +27,7 @@ def widget(robot: Feed) -> Iterator[ProgramWidget]:
 
 def hear(widget: ProgramWidget, **content: Any) -> None:
     """Send a message of the page, with a new token unless it has one."""
-    widget._handle_custom_msg({"press": "view", "token": widget._tokens.issue(), **content}, [])
+    from_page(widget, {"press": "view", "token": widget._tokens.issue(), **content})
 
 
 def test_its_state_is_sent_repeatedly_while_no_program_drives(

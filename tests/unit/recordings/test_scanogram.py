@@ -13,6 +13,7 @@ from robowidgets.samples import Scan
 from robowidgets.scanogram import of_recording as source
 from robowidgets.scanogram._codes import fold
 
+from ..pages import synced
 from . import robot, sweeps
 
 
@@ -93,7 +94,7 @@ def test_scans_that_count_their_rays_differently_are_drawn_by_angle(
     with written(tmp_path, scans, [2 * np.pi / count for count in counts]) as recording:
         widget = recording.scanogram()
     picture = picture_of(widget)
-    assert widget._about["notes"][0] == "the scans have 91 to 100 rays: drawn by angle, without indices"
+    assert synced(widget, "_about")["notes"][0] == "the scans have 91 to 100 rays: drawn by angle, without indices"
     assert picture.levels.sweep.by_angle
     assert picture.levels.counts.tolist() == [6000, 0, 0, 0, 0]
     assert picture.clock.starts == pytest.approx(np.arange(60) / 10)
@@ -119,7 +120,7 @@ def test_scans_that_break_off_keep_the_indices_of_their_rays(tmp_path: Path) -> 
         widget = recording.scanogram()
     picture = picture_of(widget)
     assert not picture.levels.sweep.by_angle
-    assert widget._about["notes"][0] == "1 of 4 scans have no rays, or more than 8: not in the picture"
+    assert synced(widget, "_about")["notes"][0] == "1 of 4 scans have no rays, or more than 8: not in the picture"
     seen = picture.levels.scans.read(1, 2)[0]
     assert np.array_equal(seen, [2] * 5 + [np.nan] * 3, equal_nan=True)
     assert len(picture.clock) == 4, "a scan has the number that it has in the recording"
@@ -130,7 +131,7 @@ def test_a_scanner_that_is_turned_is_drawn_by_angle(tmp_path: Path) -> None:
     with robowidgets.open(sweeps.write(tmp_path / "scans", [(i / 10, one) for i, one in enumerate(raw)])) as recording:
         widget = recording.scanogram()
     said = "the scans have rays at other angles now and then: drawn by angle, without indices"
-    assert widget._about["notes"][0] == said
+    assert synced(widget, "_about")["notes"][0] == said
     seen = picture_of(widget).levels.scans.read(2, 3)[0]
     assert np.array_equal(seen, [np.nan, np.nan, 1, 2], equal_nan=True)
 
@@ -138,7 +139,7 @@ def test_a_scanner_that_is_turned_is_drawn_by_angle(tmp_path: Path) -> None:
 def test_one_scan_with_far_more_rays_does_not_make_all_others_as_large(tmp_path: Path) -> None:
     with written(tmp_path, [[1.0] * 4] * 20 + [[2.0] * 100_000]) as recording:
         widget = recording.scanogram()
-    assert widget._about["notes"][0] == "1 of 21 scans have no rays, or more than 4: not in the picture"
+    assert synced(widget, "_about")["notes"][0] == "1 of 21 scans have no rays, or more than 4: not in the picture"
     assert picture_of(widget).levels.sweep.ray_count == 4
 
 

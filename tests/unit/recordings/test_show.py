@@ -33,7 +33,7 @@ from robowidgets.touch import marks as _touch_marks
 from robowidgets.touch.history import TouchHistory
 from robowidgets.touch.marks import touch_marks
 
-from ..pages import widgets_by_place
+from ..pages import from_page, synced, widgets_by_place
 from ..waiting import threads_named, wait_for
 from . import recorded, robot, sweeps, topics
 
@@ -85,15 +85,15 @@ def test_the_list_of_topics_shows_the_wires_below_the_rest_which_open_messages_a
     player: Player,
 ) -> None:
     assert player.topic_list is not None
-    player.topic_list._handle_custom_msg({"toggle": "the wires", "on": True}, [])
+    from_page(player.topic_list, {"toggle": "the wires", "on": True})
     wires = player.wires
     assert player.children[-1] is wires
     assert wires is not None
     before = player.arrangement
-    wires._handle_custom_msg({"open": "/odom"}, [])
+    from_page(wires, {"open": "/odom"})
     assert player.arrangement == [*before, "/odom as message"]
     assert getattr(widget(player, MessageWidget), "title", "") == "/odom"
-    wires._handle_custom_msg({"open": "/odom"}, [])
+    from_page(wires, {"open": "/odom"})
     assert player.arrangement == before
     player.topic_list.wires = False
     assert (player.wires, wires.comm) == (None, None)
@@ -109,14 +109,14 @@ def test_a_span_is_named_renamed_and_loses_its_name_on_the_page_which_hears_what
     )
     with shown(path) as player:
         door, moment = [3.0, 4.5, "door"], [6.0, 6.0, "here"]
-        player._on_page(player.bar, {"label": [door, None]}, [])
-        player._on_page(player.bar, {"label": [moment, None]}, [])
+        from_page(player.bar, {"label": [door, None]})
+        from_page(player.bar, {"label": [moment, None]})
         assert player.bar.labels == ((3.0, 4.5, "door"), (6.0, 6.001, "here"))
         for name in ("door", "wall"):  # the same name again is not a change
-            player._on_page(player.bar, {"label": [[3.0, 4.5, name], door]}, [])
+            from_page(player.bar, {"label": [[3.0, 4.5, name], door]})
             assert player.bar.labels[0] == (3.0, 4.5, name)
-        player._on_page(player.bar, {"label": [None, [3.0, 4.5, "wall"]]}, [])
-        player._on_page(player.bar, {"label": [[5.0, 5.5, " "], None]}, [])
+        from_page(player.bar, {"label": [None, [3.0, 4.5, "wall"]]})
+        from_page(player.bar, {"label": [[5.0, 5.5, " "], None]})
         answers = [content for content in told if "labelled" in content]
         assert [bool(answer["problem"]) for answer in answers] == [False] * 5 + [True]
         assert [one.label for one in player.recording.labels] == ["here"]
@@ -349,7 +349,7 @@ def test_a_page_that_has_nothing_gets_the_time_on_show_first(path: Path, monkeyp
     with shown(path) as player:
         monkeypatch.setattr(player.bar, "send", lambda content, buffers=(): sent.append((content, buffers)))
         player.time = 5.5
-        player.bar._handle_custom_msg({"have": "nothing"}, [])
+        from_page(player.bar, {"have": "nothing"})
         wait_for(lambda: len(sent) >= 6, "the last five seconds came, and the one before")
     segments = [(content, buffers) for content, buffers in sent if "segment" in content]
     assert [content["segment"] for content, _ in segments] == [5, 6, 4, 7, 8, 9, 10][: len(segments)]
@@ -364,7 +364,7 @@ def test_a_step_that_the_page_cannot_take_goes_to_the_next_scan_or_the_one_befor
     scans = [moment.seconds for moment in player.recording.samples("/scan")]
     steps = [[scans[4], 1], [scans[4], -1], [scans[4] + 0.01, -1]]
     for step in (*steps, [scans[-1], 1], [scans[0], -1]):
-        player.bar._handle_custom_msg({"step": step}, [])
+        from_page(player.bar, {"step": step})
     assert sent == [{"seek": scans[i], "step": step} for i, step in zip((5, 3, 4), steps, strict=True)]
 
 
@@ -375,7 +375,7 @@ def test_a_step_that_the_page_cannot_take_goes_to_a_message_of_any_topic_of_the_
     with shown(path, "/bumper.state", "/cmd_vel.linear.x") as player:
         monkeypatch.setattr(player.bar, "send", lambda content, _buffers=None: sent.append(content))
         for step in ([3.0, 1], [8.0, 1], [8.0, -1]):
-            player.bar._handle_custom_msg({"step": step}, [])
+            from_page(player.bar, {"step": step})
     assert [content["seek"] for content in sent if "step" in content] == pytest.approx([5.0, 8.1, 7.9])
 
 
@@ -384,7 +384,7 @@ def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
 
 
 def test_the_first_segments_are_in_the_state_of_the_bar(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
-    numbers = [held["segment"] for held in player.bar._first]
+    numbers = [held["segment"] for held in synced(player.bar, "_first")]
     assert numbers == list(range(int(player.duration) + 1))
     monkeypatch.setattr("robowidgets.screens.player.HELD_BYTES", 0)
     (first,) = player._first_segments(0)

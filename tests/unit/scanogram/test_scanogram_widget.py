@@ -9,6 +9,8 @@ import traitlets
 
 from robowidgets import ScanogramWidget
 
+from ..pages import synced
+
 SECOND = 1_000_000_000
 GEOMETRY = {"angle_min": -1.0, "angle_increment": 0.01, "range_min": 0.1, "range_max": 30.0}
 
@@ -32,7 +34,7 @@ def facts_of(packed: bytes) -> dict[str, Any]:
 
 
 def test_it_sends_all_scans_ahead(scanogram: ScanogramWidget) -> None:
-    facts = facts_of(scanogram._frame)
+    facts = facts_of(synced(scanogram, "_frame"))
     assert (facts["scan_count"], facts["ray_count"], facts["level"]) == (50, 20, 0)
     assert facts["class_counts"] == [1000, 0, 0, 0, 0]
     assert facts["duration"] == pytest.approx(5.0)
@@ -119,16 +121,16 @@ def test_the_time_cursor_is_a_finite_time_that_links(scanogram: ScanogramWidget)
 
 def test_it_answers_what_the_page_looks_at(scanogram: ScanogramWidget) -> None:
     scanogram.update(**scans(count=20_000, rays=100))
-    assert facts_of(scanogram._frame)["level"] == 3
-    scanogram._wanted = [100.0, 101.0, 800.0]
-    facts = facts_of(scanogram._detail)
+    assert facts_of(synced(scanogram, "_frame"))["level"] == 3
+    scanogram.set_state({"_wanted": [100.0, 101.0, 800.0]})
+    facts = facts_of(synced(scanogram, "_detail"))
     assert (facts["level"], facts["span"], facts["edition"]) == (
         0,
         [100.0, 101.0],
-        facts_of(scanogram._frame)["edition"],
+        facts_of(synced(scanogram, "_frame"))["edition"],
     )
     scanogram.update(**scans())
-    assert scanogram._detail == b"", "details of earlier scans are gone"
+    assert synced(scanogram, "_detail") == b"", "details of earlier scans are gone"
 
 
 def test_it_sends_medians_instead_of_the_nearest_when_asked() -> None:
@@ -142,11 +144,11 @@ def test_it_sends_medians_instead_of_the_nearest_when_asked() -> None:
         cells = np.frombuffer(packed[-2 * {name: size for name, _, size in facts["arrays"]}["cells"] :], "<u2")
         return facts.get("pixel", ""), round(np.median(cells) * 29.9 / 65_000 + 0.1)
 
-    assert shown(widget._frame) == ("nearest", 1)
+    assert shown(synced(widget, "_frame")) == ("nearest", 1)
     widget.pixel = "median"
-    assert shown(widget._frame) == ("median", 5)
-    widget._wanted = [0.0, 1000.0, 400.0]
-    assert shown(widget._detail) == ("", 5)
+    assert shown(synced(widget, "_frame")) == ("median", 5)
+    widget.set_state({"_wanted": [0.0, 1000.0, 400.0]})
+    assert shown(synced(widget, "_detail")) == ("", 5)
     with pytest.raises(traitlets.TraitError, match="pixel"):
         widget.pixel = "mean"
 
@@ -156,17 +158,17 @@ def test_it_answers_the_same_question_again_when_something_new_is_shown(call: st
     many = scans(count=20_000, rays=100)
     widget = ScanogramWidget()
     widget.update(**many)
-    widget._wanted = [100.0, 101.0, 800.0]
-    before = facts_of(widget._detail)["edition"]
+    widget.set_state({"_wanted": [100.0, 101.0, 800.0]})
+    before = facts_of(synced(widget, "_detail"))["edition"]
     if call == "update":
         widget.update(**many)
     elif call == "set_speeds":
         widget.set_speeds(times_ns=many["times_ns"], values=np.zeros((20_000, 6)))
     else:
         widget.set_touches([(1.0, 2.0, "left")])
-    assert (widget._detail, widget._wanted) == (b"", [])
-    widget._wanted = [100.0, 101.0, 800.0]
-    assert facts_of(widget._detail)["edition"] == before + 1
+    assert (synced(widget, "_detail"), synced(widget, "_wanted")) == (b"", [])
+    widget.set_state({"_wanted": [100.0, 101.0, 800.0]})
+    assert facts_of(synced(widget, "_detail"))["edition"] == before + 1
 
 
 def test_a_file_that_is_gone_leaves_the_coarse_picture_and_a_word(caplog: pytest.LogCaptureFixture) -> None:
@@ -183,8 +185,8 @@ def test_a_file_that_is_gone_leaves_the_coarse_picture_and_a_word(caplog: pytest
     whole.update(**scans())
     assert whole._picture
     whole.show_scans(Gone(), whole._picture.levels.sweep._replace(ray_count=100), 0)
-    whole._wanted = [100.0, 101.0, 800.0]
-    assert whole._about["error"] == "no finer detail: the disk is out"
+    whole.set_state({"_wanted": [100.0, 101.0, 800.0]})
+    assert synced(whole, "_about")["error"] == "no finer detail: the disk is out"
     assert "no finer detail: the disk is out" in caplog.text
 
 
@@ -200,7 +202,7 @@ def test_speeds_and_touches_lie_on_the_same_axis(scanogram: ScanogramWidget) -> 
     times = 7 * SECOND + np.arange(60) * SECOND // 10
     scanogram.set_speeds(times_ns=times, values=np.zeros((60, 6)), title="/odom", limits={"linear.x": (-0.2, 0.5)})
     scanogram.set_touches([(3.0, 4.0, "right"), (1.0, 2.0, "left")], title="/bumper")
-    facts = facts_of(scanogram._frame)
+    facts = facts_of(synced(scanogram, "_frame"))
     assert facts["speed"]["limits"] == [[-0.2, 0.5], None]
     assert facts["touch"] == {"title": "/bumper", "sensors": ["left", "right"]}
     assert facts["duration"] == pytest.approx(5.9)
@@ -213,7 +215,7 @@ def test_speeds_and_touches_lie_on_the_same_axis(scanogram: ScanogramWidget) -> 
 def test_it_says_that_the_clock_goes_back() -> None:
     widget = ScanogramWidget()
     widget.update(**scans(count=3, times_ns=[5, 9, 7]))
-    assert widget._about["notes"] == ["the clock goes back once: shown in the order of arrival"]
+    assert synced(widget, "_about")["notes"] == ["the clock goes back once: shown in the order of arrival"]
 
 
 def test_an_unknown_keyword_is_refused() -> None:

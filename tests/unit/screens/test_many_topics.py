@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -13,13 +12,12 @@ from robowidgets import RecordingError, feeds
 from robowidgets.behaviors import Drive
 from robowidgets.behaviors.simulation import simulate
 from robowidgets.feeds import Advert, Feed
-from robowidgets.kinds import Kind
 from robowidgets.recording import Recording
 from robowidgets.simulator import Robot, World
 
-from ...fourth_kind.gauges import FLOAT64, GAUGE, GaugesWidget, Numbers, added
-from ...fourth_kind.number import NUMBER
+from ...more_rows.gauges import FLOAT64, GAUGE, GaugesWidget, Numbers, added
 from ..feeds.scripted import SCAN, Scripted
+from ..pages import synced
 from ..recordings import recorded
 from ..waiting import wait_for
 
@@ -49,12 +47,6 @@ SENSORS = ((TOPICS[0], 1, 0.0), (TOPICS[1], -1, 0.004))
 def recording(path: Path) -> Iterator[Recording]:
     with robowidgets.open(path) as opened:
         yield opened
-
-
-def test_its_row_only_adds_roles_to_the_row_of_a_single_topic() -> None:
-    named = {"name", "sample_name", "noun", "types", "undecided", "widget", "to_message", "simulated"}
-    other = {one.name for one in fields(Kind) if getattr(GAUGE, one.name) != getattr(NUMBER, one.name)}
-    assert other - named == {"roles"}
 
 
 def test_a_player_shows_all_of_a_namespace_in_one_widget_at_any_time(recording: Recording) -> None:
@@ -117,7 +109,7 @@ def test_a_view_of_a_robot_gives_later_topics_of_the_namespace_to_the_same_widge
             script.listener.on_message(advert.name, {"data": number})
         wait_for(lambda: widget.gauges is not None and len(widget.gauges) == 2, "it shows both")
         assert [number.value for number in widget.gauges.values()] == [1.0, 2.0]
-        assert (widget.title, widget._source["topic"]) == ("/tank", "/tank/left")
+        assert (widget.title, synced(widget, "_source")["topic"]) == ("/tank", "/tank/left")
         view.close()
         assert {topic for what, topic in script.asked if what == "unsubscribe"} == {t for _, t in script.asked}
 

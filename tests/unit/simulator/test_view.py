@@ -12,6 +12,7 @@ from robowidgets import Arc, LaserWidget, Line, feeds
 from robowidgets.simulator import Robot, Scanner, View, World, room
 from robowidgets.simulator.view import HEADER, PATH_SECONDS
 
+from ..pages import from_page
 from ..waiting import wait_for
 
 WORLD = World([(3.0, -2.0, 3.0, 2.0)], [(0.0, 1.5, 0.25)])
@@ -33,7 +34,7 @@ def edit(view: View, **content: Any) -> str:
     """The answer to an edit of the page: the reason why it was refused."""
     answers: list[Any] = []
     view.send = answers.append  # type: ignore[method-assign]
-    view._on_page(view, {"edit": "a-1", **content}, [])
+    from_page(view, {"edit": "a-1", **content})
     (answer,) = answers
     assert answer["edit"] == "a-1"
     return str(answer["refused"])

@@ -19,6 +19,8 @@ from robowidgets.samples.touch_tracker import TouchTracker
 from robowidgets.widget.pacer import pacer
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
+from ..pages import synced
+
 FREE, TOUCHED, UNKNOWN = TouchState.FREE, TouchState.TOUCHED, TouchState.UNKNOWN
 S = 1_000_000_000
 Rows = dict[str, tuple[str, int, float | None]]
@@ -169,10 +171,10 @@ class TestPage:
     def test_gets_states_when_they_change_and_no_further_sample_with_each_beat(self, touch: TouchWidget) -> None:
         touch.update(left=True)
         pacer.flush()
-        frame = touch._frame
+        frame = synced(touch, "_frame")
         touch._beat_at = 0.0
         touch.send_newest()
-        assert (touch._frame, touch._beat_at > 0.0) == (frame, True)
+        assert (synced(touch, "_frame"), touch._beat_at > 0.0) == (frame, True)
 
     def test_gets_a_reset(self, touch: TouchWidget, next_frame: Callable[[TouchWidget], Rows]) -> None:
         touch.update(left=True)
@@ -221,12 +223,12 @@ class TestRecordings:
         for now in (1, 2, 3):
             touch.show(tracker, now)
         assert sent(touch) == {}
-        assert FRAME_HEADER.unpack_from(touch._frame)[0] == 0
+        assert FRAME_HEADER.unpack_from(synced(touch, "_frame"))[0] == 0
         tracker.apply(Touch({"left": True}), 4)
         for now in (5, 6):
             touch.show(tracker, now)
         sent(touch)
-        assert FRAME_HEADER.unpack_from(touch._frame)[0] == 1
+        assert FRAME_HEADER.unpack_from(synced(touch, "_frame"))[0] == 1
 
     def test_no_release_is_awaited(self, touch: TouchWidget, next_frame: Callable[[TouchWidget], Rows]) -> None:
         tracker = TouchTracker(hold=3600.0)

@@ -9,7 +9,8 @@ import traitlets
 
 from robowidgets.widget.pacer import pacer
 
-from ..pages import Page
+from ..pages import Page, synced
+from ..senders import turn_of
 from .number_widget import NumberWidget, number_in
 
 
@@ -32,7 +33,7 @@ class TestFreezing:
         held = []
 
         def notice(change: dict) -> None:
-            held.append(number_in(widget._frozen_frame) if widget.paused else None)
+            held.append(number_in(synced(widget, "_frozen_frame")) if widget.paused else None)
 
         widget.update(2)
         monkeypatch.setattr(widget, "notify_change", notice)
@@ -47,7 +48,7 @@ class TestFreezing:
         assert number_in(state["_frozen_frame"]) == 2
 
     def test_what_is_held_and_that_it_is_frozen_travel_together(self, widget: NumberWidget, page: Page) -> None:
-        with pacer._turn:
+        with turn_of(pacer):
             widget.update(2)
             widget.paused = True
         pacer.flush()
@@ -66,7 +67,7 @@ class TestFreezing:
         assert page.state["paused"] is False
 
     def test_frozen_at_once_the_page_still_hears_the_words(self, widget: NumberWidget, page: Page) -> None:
-        with pacer._turn:
+        with turn_of(pacer):
             widget.update(1)
             widget.paused = True
         pacer.flush()
@@ -90,7 +91,7 @@ class TestFreezing:
         widget.update(3)
         pacer.flush()
         assert widget.paused is True
-        assert number_in(widget._frozen_frame) == 1
+        assert number_in(synced(widget, "_frozen_frame")) == 1
         assert page.sent("_frozen_frame") == [], "the page needs no echo of its own message"
         assert number_in(page.state["_frame"]) == 3
 
@@ -102,13 +103,13 @@ class TestFreezing:
             frames.append(memoryview(page.state["_frame"]))
         widget.set_state({"_frozen_frame": frames[1], "paused": True})
         widget.set_state({"_frozen_frame": frames[0]})
-        assert (number_in(widget._frozen_frame), number_in(widget.get_state()["_frozen_frame"])) == (1, 1)
+        assert (number_in(synced(widget, "_frozen_frame")), number_in(widget.get_state()["_frozen_frame"])) == (1, 1)
 
     def test_the_user_releases_a_freeze_of_python(self, widget: NumberWidget) -> None:
         widget.update(1)
         widget.paused = True
         widget.set_state({"_frozen_frame": memoryview(b""), "paused": False})
-        assert (widget.paused, widget._frozen_frame) == (False, b"")
+        assert (widget.paused, synced(widget, "_frozen_frame")) == (False, b"")
 
     def test_python_releases_a_freeze_of_the_user(self, widget: NumberWidget, page: Page) -> None:
         widget.update(1)
@@ -116,7 +117,7 @@ class TestFreezing:
         widget.set_state({"_frozen_frame": memoryview(page.state["_frame"]), "paused": True})
         widget.paused = False
         pacer.flush()
-        assert widget._frozen_frame == b""
+        assert synced(widget, "_frozen_frame") == b""
         assert page.sent("_frozen_frame") == [b""]
 
     def test_a_new_view_gets_the_held_sample(self, widget: NumberWidget) -> None:

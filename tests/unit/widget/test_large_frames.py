@@ -11,7 +11,7 @@ from robowidgets.widget.large_frames import LargeFrameWidget
 from robowidgets.widget.pacer import pacer
 
 from ..clocks import ManualClock
-from ..pages import Page
+from ..pages import Page, from_page
 from ..waiting import wait_for
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
 
@@ -174,7 +174,7 @@ class TestWidget:
     def draw(widget: LargeNumber, number: float, **more: object) -> None:
         """Answer as a page, in a separate thread as with ipykernel 7."""
         answer = {"drawn": number, "page": "one", **more}
-        in_a_thread(widget._handle_custom_msg, answer, [])
+        in_a_thread(from_page, widget, answer)
 
     def test_only_the_newest_follows_what_the_page_has_drawn(self, widget: LargeNumber, page: Page) -> None:
         widget.update(0)
@@ -195,7 +195,7 @@ class TestWidget:
             widget.update(1)
             assert widget.send_newest() == 0
             cell.runs = True
-            widget._handle_custom_msg({"drawn": 1, "page": "one"}, [])
+            from_page(widget, {"drawn": 1, "page": "one"})
             clock.advance(LATE)
             widget.update(2)
             assert widget.send_newest() == len(page.state["_frame"])
@@ -235,7 +235,7 @@ class TestWidget:
         self, widget: LargeNumber, page: Page, cell: Cell, clock: ManualClock
     ) -> None:
         cell.runs = True
-        widget._handle_custom_msg({"drawn": 0, "page": "one"}, [])
+        from_page(widget, {"drawn": 0, "page": "one"})
         widget.update(1)
         wait_for(lambda: page.messages, "the first was sent")
         assert "while a cell runs" in page.state["_about"]["pace"]
@@ -262,7 +262,7 @@ class TestWidget:
     ) -> None:
         widget.update(1)
         wait_for(lambda: page.messages, "the first was sent")
-        widget._handle_custom_msg(content, [])
+        from_page(widget, content)
         widget.update(2)
         widget.send_newest()
         assert [number_in(frame) for frame in page.sent("_frame")] == [1]

@@ -18,14 +18,14 @@ from ..waiting import wait_for
 class TestPace:
     def test_a_lone_sample_goes_out_at_once(self) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
+        sender = Sender(pacer.clock.now)
         pacer.mark(sender)
         pacer.run(0.001)
         assert sender.times == [pytest.approx(1000.0, abs=1e-6)]
 
     def test_what_came_last_is_sent_though_it_came_within_an_interval(self) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
+        sender = Sender(pacer.clock.now)
         for value in range(1, 100):
             sender.newest = value
             pacer.mark(sender)
@@ -35,7 +35,7 @@ class TestPace:
 
     def test_a_sender_is_sent_once_an_interval_at_most(self) -> None:
         pacer = ByHand()
-        sender = Restless(pacer, clock=pacer._clock)
+        sender = Restless(pacer, clock=pacer.clock.now)
         pacer.mark(sender)
         pacer.run(10)
         assert len(sender.times) == pytest.approx(10 / INTERVAL, abs=2)
@@ -44,7 +44,7 @@ class TestPace:
 
     def test_a_thread_that_wakes_late_keeps_the_pace(self) -> None:
         pacer = ByHand()
-        sender = Restless(pacer, clock=pacer._clock)
+        sender = Restless(pacer, clock=pacer.clock.now)
         pacer.mark(sender)
         while pacer.now < 1010.0:
             wait = pacer._send_one()
@@ -54,7 +54,7 @@ class TestPace:
     @pytest.mark.parametrize("count", [4, 5, 10, 50])
     def test_all_senders_share_one_budget_evenly_and_use_it(self, count: int) -> None:
         pacer = ByHand()
-        senders = [Restless(pacer, clock=pacer._clock) for _ in range(count)]
+        senders = [Restless(pacer, clock=pacer.clock.now) for _ in range(count)]
         for sender in senders:
             pacer.mark(sender)
         pacer.run(10)
@@ -67,8 +67,8 @@ class TestPace:
     def test_one_that_speaks_seldom_need_not_wait_behind_those_that_flood(self) -> None:
         pacer = ByHand()
         for _ in range(50):
-            pacer.mark(Restless(pacer, clock=pacer._clock))
-        seldom = Sender(pacer._clock)
+            pacer.mark(Restless(pacer, clock=pacer.clock.now))
+        seldom = Sender(pacer.clock.now)
         pacer.run(1)
         marked = pacer.now
         pacer.mark(seldom)
@@ -78,7 +78,7 @@ class TestPace:
 
     def test_large_samples_share_one_budget_of_bytes(self) -> None:
         pacer = ByHand()
-        senders = [Restless(pacer, clock=pacer._clock, size=1_000_000) for _ in range(3)]
+        senders = [Restless(pacer, clock=pacer.clock.now, size=1_000_000) for _ in range(3)]
         for sender in senders:
             pacer.mark(sender)
         pacer.run(10)
@@ -87,7 +87,7 @@ class TestPace:
     def test_rest_saves_up_no_more_than_a_short_burst(self) -> None:
         pacer = ByHand()
         pacer.run(60)
-        senders = [Sender(pacer._clock) for _ in range(400)]
+        senders = [Sender(pacer.clock.now) for _ in range(400)]
         for sender in senders:
             pacer.mark(sender)
         pacer.run(1)
@@ -97,7 +97,7 @@ class TestPace:
 class TestFailure:
     def test_what_could_not_be_sent_is_tried_again_after_growing_pauses(self) -> None:
         pacer = ByHand()
-        sender = Failing(pacer._clock)
+        sender = Failing(pacer.clock.now)
         pacer.mark(sender)
         pacer.run(125)
         pauses = [later - earlier for earlier, later in zip(sender.times, sender.times[1:], strict=False)]
@@ -105,7 +105,7 @@ class TestFailure:
 
     def test_marking_does_not_shorten_a_pause(self) -> None:
         pacer = ByHand()
-        sender = Failing(pacer._clock)
+        sender = Failing(pacer.clock.now)
         for _ in range(500):
             pacer.mark(sender)
             pacer.run(0.01)
@@ -113,7 +113,7 @@ class TestFailure:
 
     def test_the_pause_is_short_again_after_a_success(self) -> None:
         pacer = ByHand()
-        sender = Failing(pacer._clock)
+        sender = Failing(pacer.clock.now)
         pacer.mark(sender)
         pacer.run(20)
         sender.error = None
@@ -127,7 +127,7 @@ class TestFailure:
 
     def test_the_same_error_is_logged_once_however_long_it_lasts(self, caplog: pytest.LogCaptureFixture) -> None:
         pacer = ByHand()
-        pacer.mark(Failing(pacer._clock))
+        pacer.mark(Failing(pacer.clock.now))
         pacer.run(10_000)
         (record,) = caplog.records
         assert (record.name, record.levelname) == ("robowidgets", "ERROR")
@@ -138,7 +138,7 @@ class TestFailure:
 
     def test_an_error_that_comes_and_goes_is_logged_once(self, caplog: pytest.LogCaptureFixture) -> None:
         pacer = ByHand()
-        sender = Failing(pacer._clock)
+        sender = Failing(pacer.clock.now)
         for _ in range(1000):
             sender.error = OSError("the wire is cut") if sender.error is None else None
             pacer.mark(sender)
@@ -148,7 +148,7 @@ class TestFailure:
 
     def test_another_error_is_logged(self, caplog: pytest.LogCaptureFixture) -> None:
         pacer = ByHand()
-        sender = Failing(pacer._clock)
+        sender = Failing(pacer.clock.now)
         pacer.mark(sender)
         for error in (OSError("the wire is cut"), OSError("the wire is gone"), ValueError("the wire is gone")):
             sender.error = error
@@ -163,7 +163,7 @@ class TestFailure:
         self, caplog: pytest.LogCaptureFixture
     ) -> None:
         pacer = ByHand()
-        sender = Failing(pacer._clock)
+        sender = Failing(pacer.clock.now)
         for error in (OSError("the wire is cut"), None, OSError("the wire is cut")):
             sender.error = error
             pacer.mark(sender)
@@ -172,7 +172,7 @@ class TestFailure:
 
     def test_each_sender_has_pauses_of_its_own(self) -> None:
         pacer = ByHand()
-        broken, other = Failing(pacer._clock), Failing(pacer._clock)
+        broken, other = Failing(pacer.clock.now), Failing(pacer.clock.now)
         pacer.mark(broken)
         pacer.run(100)
         pacer.mark(other)
@@ -181,7 +181,7 @@ class TestFailure:
 
     def test_nothing_is_kept_of_a_failure_once_its_sender_is_forgotten(self) -> None:
         pacer = ByHand()
-        sender = Failing(pacer._clock)
+        sender = Failing(pacer.clock.now)
         pacer.mark(sender)
         pacer.run(10)
         pacer.forget(sender)
@@ -193,7 +193,7 @@ class TestFailure:
 class TestAppointments:
     def test_a_sender_is_sent_at_the_time_and_not_before(self) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
+        sender = Sender(pacer.clock.now)
         pacer.mark_at(sender, pacer.now + 0.5)
         pacer.run(0.499)
         assert sender.sent == []
@@ -202,7 +202,7 @@ class TestAppointments:
 
     def test_the_last_appointment_holds(self) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
+        sender = Sender(pacer.clock.now)
         for later in (0.5, 3.0, 2.0):
             pacer.mark_at(sender, pacer.now + later)
         pacer.run(10)
@@ -210,7 +210,7 @@ class TestAppointments:
 
     def test_none_takes_it_back(self) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
+        sender = Sender(pacer.clock.now)
         pacer.mark_at(sender, pacer.now + 0.5)
         pacer.mark_at(sender, None)
         pacer.mark_at(sender, None)
@@ -219,14 +219,14 @@ class TestAppointments:
 
     def test_one_in_the_past_is_now(self) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
+        sender = Sender(pacer.clock.now)
         pacer.mark_at(sender, pacer.now - 5)
         pacer.run(0.001)
         assert len(sender.sent) == 1
 
     def test_it_keeps_to_the_pace(self) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
+        sender = Sender(pacer.clock.now)
         pacer.mark(sender)
         pacer.run(0.001)
         pacer.mark_at(sender, pacer.now)
@@ -245,7 +245,7 @@ class TestAppointments:
 class TestForget:
     def test_nothing_more_is_sent(self) -> None:
         pacer = ByHand()
-        sender, other = Sender(pacer._clock), Sender(pacer._clock)
+        sender, other = Sender(pacer.clock.now), Sender(pacer.clock.now)
         for one in (sender, other):
             pacer.mark(one)
             pacer.mark_at(one, pacer.now + 0.5)
@@ -264,14 +264,14 @@ class TestForget:
                 return 1
 
         pacer = ByHand()
-        thread = threading.Thread(target=pacer.mark, args=(Pressed(pacer._clock),), daemon=True)
+        thread = threading.Thread(target=pacer.mark, args=(Pressed(pacer.clock.now),), daemon=True)
         thread.start()
         thread.join(120)
         assert not thread.is_alive()
 
     def test_a_sender_that_was_sent_is_not_kept_alive(self) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
+        sender = Sender(pacer.clock.now)
         pacer.mark(sender)
         pacer.run(1)
         gone = weakref.ref(sender)

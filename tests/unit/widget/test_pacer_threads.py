@@ -145,7 +145,7 @@ class TestThreads:
 class TestFlush:
     def test_all_that_is_marked_goes_out_in_the_callers_thread(self) -> None:
         pacer = ByHand()
-        senders = [Sender(pacer._clock) for _ in range(20)]
+        senders = [Sender(pacer.clock.now) for _ in range(20)]
         for sender in senders:
             pacer.mark(sender)
         pacer.flush()
@@ -155,7 +155,7 @@ class TestFlush:
 
     def test_its_messages_count_towards_the_budget(self) -> None:
         pacer = ByHand()
-        restless = [Restless(pacer, clock=pacer._clock) for _ in range(10)]
+        restless = [Restless(pacer, clock=pacer.clock.now) for _ in range(10)]
         for sender in restless:
             pacer.mark(sender)
         for _ in range(20):
@@ -227,7 +227,7 @@ class TestFlush:
                 return 0
 
         pacer = ByHand()
-        interrupted, sender = Interrupted(pacer._clock), Sender(pacer._clock)
+        interrupted, sender = Interrupted(pacer.clock.now), Sender(pacer.clock.now)
         pacer.mark(interrupted)
         pacer.mark(sender)
         with pytest.raises(KeyboardInterrupt):
@@ -238,8 +238,8 @@ class TestFlush:
 
     def test_one_that_fails_does_not_keep_back_the_others(self, caplog: pytest.LogCaptureFixture) -> None:
         pacer = ByHand()
-        sender = Sender(pacer._clock)
-        pacer.mark(Failing(pacer._clock))
+        sender = Sender(pacer.clock.now)
+        pacer.mark(Failing(pacer.clock.now))
         pacer.mark(sender)
         pacer.flush()
         assert sender.sent == [0]
@@ -247,7 +247,7 @@ class TestFlush:
 
     def test_a_flood_cannot_keep_it(self) -> None:
         pacer = ByHand()
-        sender = Restless(pacer, clock=pacer._clock)
+        sender = Restless(pacer, clock=pacer.clock.now)
         pacer.mark(sender)
         pacer.flush()
         assert len(sender.sent) == 1

@@ -16,6 +16,8 @@ import pytest
 from robowidgets import LaserWidget, ScanogramWidget
 from robowidgets.widget import png as _png
 
+from ..pages import from_page
+
 T = TypeVar("T")
 Drawn = LaserWidget | ScanogramWidget
 
@@ -32,6 +34,7 @@ class Page:
         self.asked: list[int] = []
         self.told: list[str] = []
         self._widget = widget
+        self.handle_msg = widget.comm.handle_msg
         widget.comm.close()
         widget.comm = self
 
@@ -44,11 +47,11 @@ class Page:
 
     def answer(self, number: int | None = None, url: str = URL) -> None:
         """Answer a question, by default the last one."""
-        self._widget._handle_custom_msg({"png": self.asked[-1] if number is None else number, "url": url}, [])
+        from_page(self._widget, {"png": self.asked[-1] if number is None else number, "url": url})
 
     def fail(self, error: str) -> None:
         """Answer that the picture of the last question could not be drawn."""
-        self._widget._handle_custom_msg({"png": self.asked[-1], "error": error}, [])
+        from_page(self._widget, {"png": self.asked[-1], "error": error})
 
     def on_msg(self, callback: object) -> None:
         pass

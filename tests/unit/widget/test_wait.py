@@ -40,6 +40,17 @@ class Waits(Waiters):
         return find()
 
 
+def timeouts_of(widget: Any) -> Waits:
+    """Return the time-outs with which threads wait for samples of a widget from now on."""
+    widget._newest.waiters = waits = Waits(widget._newest.lock)
+    return waits
+
+
+def waiting(widget: Any) -> int:
+    """Return the number of threads that wait for a sample of a widget."""
+    return len(widget._newest.waiters)
+
+
 class TestTheNextOne:
     def test_what_has_come_is_given_at_once_and_newest_though_the_widget_is_frozen(self, widget: NumberWidget) -> None:
         widget.update(1)
@@ -120,7 +131,7 @@ class TestTheTimeout:
     def test_is_three_periods_from_one_second_to_ten(
         self, widget: NumberWidget, clock: Clock, rate: float, seconds: float
     ) -> None:
-        widget._newest.waiters = waits = Waits(widget._newest.lock)
+        waits = timeouts_of(widget)
         feed_at(rate, clock, lambda: (widget.update(1), widget.wait()))
         with pytest.raises(TimeoutError):
             widget.wait()
@@ -128,14 +139,14 @@ class TestTheTimeout:
         assert waits.timeouts[-1] == pytest.approx(seconds)
 
     def test_is_ten_seconds_before_the_first(self, widget: NumberWidget) -> None:
-        widget._newest.waiters = waits = Waits(widget._newest.lock)
+        waits = timeouts_of(widget)
         with pytest.raises(TimeoutError, match=r"^NumberWidget had nothing to show in 10 s: no feed is connected"):
             widget.wait()
         assert waits.timeouts == [10]
 
     def test_is_ten_seconds_where_a_source_speaks_in_events(self, clock: Clock) -> None:
         touch = TouchWidget()
-        touch._newest.waiters = waits = Waits(touch._newest.lock)
+        waits = timeouts_of(touch)
         for mode, seconds in ((TouchMode.EVENT, 10), (TouchMode.LEVEL, 1)):
             feed_at(10, clock, lambda mode=mode: (touch.update(Touch({"left": True}, mode)), touch.wait()))
             with pytest.raises(TimeoutError):
@@ -143,7 +154,7 @@ class TestTheTimeout:
             assert waits.timeouts[-1] == seconds
 
     def test_is_the_given_value(self, widget: NumberWidget, clock: Clock) -> None:
-        widget._newest.waiters = waits = Waits(widget._newest.lock)
+        waits = timeouts_of(widget)
         feed_at(40, clock, lambda: (widget.update(1), widget.wait(7)))
         for seconds in (0, 0.25, 30, 1e300):
             with pytest.raises(TimeoutError):
@@ -172,14 +183,14 @@ class TestTheTimeout:
         main = threading.main_thread().ident
 
         def interrupt() -> None:
-            wait_for(lambda: widget._newest.waiters, "it waits")
+            wait_for(lambda: waiting(widget), "it waits")
             signal.pthread_kill(main, signal.SIGINT)
 
         thread = threading.Thread(target=interrupt)
         thread.start()
         with pytest.raises(KeyboardInterrupt):
             widget.wait(1000.0)
-        assert len(widget._newest.waiters) == 0
+        assert waiting(widget) == 0
         thread.join()
 
     @pytest.mark.parametrize(
@@ -210,13 +221,13 @@ def test_all_waiting_threads_get_the_first_one_and_none_spins_meanwhile(widget: 
     threads = [threading.Thread(target=wait) for _ in range(3)]
     for thread in threads:
         thread.start()
-    wait_for(lambda: len(widget._newest.waiters) == 3, "all wait")
+    wait_for(lambda: waiting(widget) == 3, "all wait")
     in_a_thread(widget.update, 7)
     for thread in threads:
         thread.join()
     assert [number.value for number in got] == [7, 7, 7]
     assert max(busy) < 0.05
-    assert len(widget._newest.waiters) == 0
+    assert waiting(widget) == 0
 
 
 def test_a_busy_main_thread_gets_the_first_scan_of_a_feed() -> None:
@@ -286,7 +297,7 @@ def test_a_function_that_is_connected_may_wait_for_what_comes_next() -> None:
         feed.connect("/scan", laser)
         feed.connect("/scan", lambda _: got or got.append([laser.wait(240.0).ranges[0] for _ in range(2)]))
         script.listener.on_message("/scan", scan(1.5))
-        wait_for(lambda: laser._newest.waiters, "the function waits for the next one")
+        wait_for(lambda: waiting(laser), "the function waits for the next one")
         script.listener.on_message("/scan", scan(2.5))
         wait_for(lambda: got and got[0] == [1.5, 2.5], "it was given both")
 

@@ -26,6 +26,7 @@ from robowidgets.widget.pacer import pacer
 from robowidgets.widget.robot_widget import RobotWidget
 
 from ..pages import Page
+from ..senders import turn_of
 from ..waiting import Clock, wait_for
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
 
@@ -156,7 +157,7 @@ class TestToThePage:
         assert (saved["color"], saved["paused"], saved["_frame"]) == ("red", False, b"")
 
     def test_a_new_view_takes_nothing_from_those_there_are(self, widget: NumberWidget, page: Page) -> None:
-        with pacer._turn:
+        with turn_of(pacer):
             widget.update(7)
             widget.get_state()
         pacer.flush()
@@ -217,7 +218,7 @@ class TestToThePage:
         assert len(page.messages) == 1
 
     def test_traits_that_a_loop_sets_keep_to_the_pace(self, widget: NumberWidget, page: Page) -> None:
-        with pacer._turn:
+        with turn_of(pacer):
             for i in range(1000):
                 widget.color = f"color {i}"
             widget.update(7)
@@ -226,7 +227,7 @@ class TestToThePage:
         assert len(page.messages) == 1
 
     def test_all_traits_go_at_once_to_a_page_that_asks(self, widget: NumberWidget, page: Page) -> None:
-        with pacer._turn:
+        with turn_of(pacer):
             widget.color = "blue"
             widget.send_state()
             assert page.state["color"] == "blue"
@@ -238,7 +239,7 @@ class TestToThePage:
         def cut(**_: object) -> None:
             raise OSError("the wire is cut")
 
-        with pacer._turn, monkeypatch.context() as patch:
+        with turn_of(pacer), monkeypatch.context() as patch:
             patch.setattr(page, "send", cut)
             widget.update(7)
             widget.color = "blue"

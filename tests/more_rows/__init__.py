@@ -1,0 +1,1 @@
+"""Rows that tests add: gauges that share a widget, and widgets on demand."""
