@@ -204,7 +204,8 @@ class RecordedLinesWidget(LinesTraits, RobotWidget[_Shown]):
             return {"version": self._version.number if self._version else 0}
         made = sample.made
         said = made.error if made is not None and not any(call.error for call in made.step.calls) else ""
-        return {"version": self._key[1], "failure": job.error or said, "assumes": self._assumes(job)}
+        notes = [note for note in (job.error, said) if note]
+        return {"version": self._key[1], "assumes": self._assumes(job), "notes": notes}
 
     def _assumes(self, job: LinesAtTime) -> str:
         """Return in words what the values assume, since not all that the function read is recorded."""
