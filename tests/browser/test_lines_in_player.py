@@ -51,6 +51,7 @@ def test_lines_follow_the_player_mark_their_spans_and_know_the_pointed_ray(
     expect(card.locator(".rw-footer")).to_contain_text("click or Enter marks when")
     nb.page.keyboard.press("Enter")
     expect(line).to_have_attribute("aria-selected", "true")
+    expect(card.locator(".rw-footer")).to_contain_text("line 6 was true: 10 times; n and p go there")
     expect(nb.page.locator(".rw-play-mark-words")).to_contain_text("of 10: line 6 was true")
     nb.page.keyboard.press("n")
     expect(values(card, 3)).to_contain_text("True")

@@ -187,6 +187,10 @@ export class LinesView {
       setText(this.#said, `${toCount(frame.total)} step${frame.total === 1 ? "" : "s"} of this version`);
       return;
     }
+    if (span && this.#recorded.chosen === section.code.first + line && words) {
+      setText(this.#said, words);
+      return;
+    }
     const [, reached = 0, isTrue = 0] = found ?? [];
     const name = `line ${section.code.first + line}`;
     const isFlag = section.kinds.get(line) === "flag";
