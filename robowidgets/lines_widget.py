@@ -6,21 +6,18 @@ import json
 from collections import deque
 from typing import Any
 
-import traitlets
-
 from .behaviors.lines.packed import Totals, calls_by_function, packed_function, packed_step, spread
 from .behaviors.lines.watch import WatchedStep
 from .behaviors.program import Program
 from .behaviors.program_view import ProgramView
-from .widget.front_end import bundle
+from .lines.traits import LinesTraits
 from .widget.pacer import pacer
-from .widget.traits import Flag
 
 MOST_BETWEEN = 6
 """Steps that a frame has at most: the newest one, and some of those since the frame before."""
 
 
-class LinesWidget(ProgramView[WatchedStep]):
+class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
     """The source of the program that drives a robot, and next to each line the values of its newest step.
 
     A line shows its value with its unit, the deciding ray, the compared values, how often it was reached, and a small
@@ -50,17 +47,9 @@ class LinesWidget(ProgramView[WatchedStep]):
         True
     """
 
-    _esm, _css = bundle("lines_widget")
-
-    folded = Flag(False, help="True to show only one line. Python and the view write it.").tag(sync=True)
-
     sample_name = "step"
     send_interval = 0.1
     """The shortest time in seconds between two messages. Users cannot read faster."""
-
-    _code = traitlets.Dict(help="Name and version of a program, and its functions that were called.").tag(
-        sync=True, echo_update=False
-    )
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
         self._queue: deque[WatchedStep] = deque()

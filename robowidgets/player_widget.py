@@ -66,6 +66,11 @@ class PlayerWidget(FrontEndWidget):
         start, end = self.selection if self.loop and self.selection else (0.0, self.duration)
         return min(start, self.duration), min(end, self.duration)
 
+    @property
+    def moment(self) -> float:
+        """The time on show in the widgets of the page, in seconds: the frozen one while they are frozen."""
+        return self.time if self._shown is None else self._shown
+
     def follow(self, leader: dict[str, Any]) -> None:
         """Move with another player in the page: see `robowidgets.screens._leader.Leader`. Empty ends that."""
         self._leader = leader

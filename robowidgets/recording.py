@@ -91,7 +91,9 @@ class Recording(RecordingData):
         from .recordings.search.search import find
 
         self._check_open()
-        return find(self, condition, topics)
+        found = find(self, condition, topics)
+        found.shown_by = self.show
+        return found
 
     def lines(self, function: Any, *, rate: float = 10.0, topics: str | Iterable[str] | None = None) -> RecordedLines:
         """The lines of a function over the recording: their values at any moment, and when each was true, or reached.
@@ -149,6 +151,7 @@ class Recording(RecordingData):
         scanogram: bool | None = None,
         rerun: bool = False,
         arrangement: Sequence[Any] | None = None,
+        lines: Any = None,
     ) -> Player:
         """Show the recording: a player, and one widget for each topic that has one.
 
@@ -162,6 +165,8 @@ class Recording(RecordingData):
                 quick.
             rerun: True to show the Rerun viewer next to the widgets, with the scans in the world (extra ``rerun``).
             arrangement: the arrangement of widgets, as returned by `Player.arrangement` of an earlier player.
+            lines: a function or a program, whose lines are shown with their values at the shown time. Without it, a
+                recorded program shows its lines, once the user asks for them.
 
         Raises:
             UnknownTopicError: the recording has no such topic, or its messages cannot be read; the text gives the
@@ -178,7 +183,7 @@ class Recording(RecordingData):
 
         again = self.reopened()
         try:
-            return Player(again, topics, scanogram, rerun, arrangement)
+            return Player(again, topics, scanogram, rerun, arrangement, lines)
         except BaseException:
             again.close()
             raise

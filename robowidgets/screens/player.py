@@ -31,6 +31,7 @@ from ..kinds.choice import (
     why_no_plot,
 )
 from ..laser.row import LASER
+from ..lines.recorded_lines import RecordedLinesWidget
 from ..message_widget import MessageWidget
 from ..messages.brief import brief
 from ..notebook.cells import close_all, take_the_place
@@ -60,6 +61,7 @@ from ..widget.traits import Flag
 from ..wires.recorded import RecordedWires
 from ..wires_widget import WiresWidget
 from ._leader import Leader
+from ._lines import PlayerLines
 from ._parts import LeadingPlayer, PlayerView, followers
 from ._prefetcher import SEGMENT, Prefetcher, segment
 from ._to_html import LONGEST_SEGMENT, Wanted, page_of
@@ -96,6 +98,8 @@ class Player(ScreenWidget):
         scanogram: True to show a scanogram of the first topic with scans above the widgets, or None to show it if it
             takes a few seconds at most, and otherwise a line with the reason.
         rerun: True to show the Rerun viewer next to the widgets, at the same time.
+        lines: a function or a program whose lines are shown, or the result of `Recording.find` with a function; None
+            for the programs whose text is in the recording.
 
     Raises:
         UnknownTopicError: the topic does not exist, or no widget shows it. KeyError: the field does not exist.
@@ -115,6 +119,7 @@ class Player(ScreenWidget):
     scanogram: ScanogramWidget | None = None
     topic_list: TopicsWidget | None = None
     wires: WiresWidget | None = None
+    _lines: PlayerLines | None = None
 
     def __init__(
         self,
@@ -123,6 +128,7 @@ class Player(ScreenWidget):
         scanogram: bool | None = None,
         rerun: bool = False,
         arrangement: Sequence[Entry] | None = None,
+        lines: Any = None,
     ) -> None:
         earlier = take_the_place(self)
         self.recording = recording
@@ -144,6 +150,8 @@ class Player(ScreenWidget):
         self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
         self._show_used_axes(self.views)
         self.bar = self._make_bar(note)
+        self._lines = PlayerLines(recording, self.bar, lines)
+        self._lines.join(self._group)
         if moves and not rerun:
             self.topic_list = TopicsWidget(self._on_toggle, self._values_of)
             self.topic_list.set_rows(_rows(recording))
@@ -181,6 +189,19 @@ class Player(ScreenWidget):
     def __repr__(self) -> str:
         shown = ", ".join(dict.fromkeys(title for view in self.views for title in view.choice.titles))
         return f"<Player {self.recording.path.name}: {self.time:.2f} of {self.duration:.2f} s, {shown or 'no topics'}>"
+
+    @property
+    def lines(self) -> RecordedLinesWidget | None:
+        """The widget of the lines of a function, or of the recorded programs; None without any."""
+        return self._lines.widget if self._lines is not None else None
+
+    def show_lines(self, function: Any) -> None:
+        """Show the lines of a function or a program below the other widgets, instead of those shown before."""
+        before, self._lines = self._lines, PlayerLines(self.recording, self.bar, function)
+        self._lines.join(self._group)
+        self._arrange()
+        if before is not None:
+            before.close()
 
     @property
     def duration(self) -> float:
@@ -279,6 +300,8 @@ class Player(ScreenWidget):
 
     def close(self) -> None:
         """Remove the player from the page and close the recording."""
+        if self._lines is not None:
+            self._lines.close()
         if self._prefetcher:
             self.follow(None)
             self._prefetcher.close()
@@ -414,7 +437,9 @@ class Player(ScreenWidget):
                 view.widget.observe(self._on_time_of, "time")
             if isinstance(view.widget, MessageWidget):
                 view.widget.offer_plots(partial(self._plot_field, view.choice.topic))
-        freeze_together(view.widget for view in self.views)
+        self._group = freeze_together(view.widget for view in self.views)
+        if self._lines is not None:
+            self._lines.join(self._group)
         return new
 
     def _show_used_axes(self, views: Iterable[PlayerView]) -> None:
@@ -496,7 +521,7 @@ class Player(ScreenWidget):
 
     def _arrange(self) -> None:
         """Put all shown widgets into their places."""
-        foot = [self.wires] if self.wires is not None else []
+        foot = [widget for widget in (self.lines, self.wires) if widget is not None]
         self.place({**self.arranged(self.scanogram), "foot": foot})
         self._list_shown()
 

@@ -4,8 +4,9 @@ import type { Host } from "../../robowidgets/js/laser/layer.ts";
 import { LitLayer } from "../../robowidgets/js/laser/lit_layer.ts";
 import { stretchesOf } from "../../robowidgets/js/lines/graph.ts";
 import { tokensOf } from "../../robowidgets/js/lines/python.ts";
+import { toTraces } from "../../robowidgets/js/lines/recorded.ts";
 import { type Line, type Step, type Steps, tracesOf } from "../../robowidgets/js/lines/steps.ts";
-import { light } from "../../robowidgets/js/shared/lit.ts";
+import { light, pointedRays, readsOne } from "../../robowidgets/js/shared/lit.ts";
 
 test("the parts of a line of Python are all of its text", () => {
   const line = `    def f(x=0.5, *a): return "a # b" if x != 1e-3 else r'\\d'  # why "not"`;
@@ -66,7 +67,8 @@ test("of several lasers only the one whose scan was read is lit, and one without
   const { signal } = new AbortController();
   const layers = ["front", "rear", ""].map((frame_id) => {
     const stream = { robot: "here", about: { frame_id } };
-    return new LitLayer({ stream, card: { redraw() {} }, signal } as unknown as Host);
+    const model = { get: () => null, on() {}, off() {} };
+    return new LitLayer({ model, stream, card: { redraw() {} }, signal } as unknown as Host);
   });
   const lit = () => layers.map((layer) => Object.keys(layer.painters()).length > 0);
   light("here", [{ runs: [0, 3], nearest: 1, frame: "rear" }]);
@@ -75,4 +77,50 @@ test("of several lasers only the one whose scan was read is lit, and one without
   assert.deepEqual(lit(), [false, true, true]);
   light("here", []);
   assert.deepEqual(lit(), [false, false, false]);
+});
+
+test("a pointed or pinned ray of a laser marks the lines that read it, and the player's group stands for a robot", () => {
+  const controller = new AbortController();
+  const values: Record<string, number | null> = { pinned: null, hovered: null };
+  const changes: (() => void)[] = [];
+  const model = {
+    get: (name: string) => values[name],
+    on: (_: string, call: () => void) => changes.push(call),
+    off() {},
+  };
+  const stream = { robot: "", group: "player", about: { frame_id: "front" } };
+  new LitLayer({ model, stream, card: { redraw() {} }, signal: controller.signal } as unknown as Host);
+  const point = (name: string, index: number | null) => {
+    values[name] = index;
+    for (const call of changes) call();
+  };
+  assert.deepEqual(pointedRays("player"), []);
+  point("hovered", 7);
+  point("pinned", 2);
+  const rays = pointedRays("player");
+  assert.deepEqual(
+    rays.map(({ index }) => index),
+    [2, 7],
+  );
+  assert.deepEqual(pointedRays("another"), []);
+  assert.ok(readsOne([{ runs: [0, 1, 5, 8], nearest: -1, frame: "front" }], rays));
+  assert.ok(readsOne([{ runs: [2, 3], nearest: -1, frame: "" }], rays));
+  assert.ok(!readsOne([{ runs: [2, 3], nearest: -1, frame: "rear" }], rays));
+  assert.ok(!readsOne([{ runs: [3, 7], nearest: -1, frame: "front" }], rays));
+  point("hovered", null);
+  assert.equal(pointedRays("player").length, 1);
+  controller.abort();
+  assert.deepEqual(pointedRays("player"), []);
+});
+
+test("the graph of a line over a recording has its levels at all times", () => {
+  const traces = toTraces({ from: 0, to: 2, times: [0, 1], lines: { f: [[3, "flag", [1, null]]] } });
+  assert.deepEqual(traces.get("f:3"), {
+    kind: "flag",
+    trace: [
+      [0, 1],
+      [1, null],
+    ],
+  });
+  assert.equal(toTraces({}).size, 0);
 });

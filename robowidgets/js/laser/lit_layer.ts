@@ -1,5 +1,7 @@
+import { onAbort } from "../shared/events.ts";
 import { angleOf } from "../shared/frames/scan.ts";
-import { type Lit, onLight } from "../shared/lit.ts";
+import { type Lit, onLight, pointAtRays } from "../shared/lit.ts";
+import { onChange } from "../shared/model.ts";
 import { toDirection } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.ts";
@@ -8,7 +10,10 @@ import type { Depth, Host, Layer, Painter, Stage, StripPainter } from "./layer.t
 const RING = 5;
 const PALE = 0.35;
 
-/** The rays that the line of a program read, while the user points at it in the widget of the program's lines. */
+/**
+ * The rays that the line of a program read, while the user points at it in the widget of the program's lines. It tells
+ * that widget at which rays the user points here.
+ */
 export class LitLayer implements Layer {
   readonly traits = [] as const;
   #lit: Lit[] = [];
@@ -17,9 +22,23 @@ export class LitLayer implements Layer {
     rings: (context, stage, theme) => this.#drawNearest(context, stage, theme),
   };
 
-  constructor({ stream, card, signal }: Host) {
+  constructor({ model, stream, card, signal }: Host) {
+    // In the player of a recording, its group stands for the robot.
+    const robot = () => stream.robot || stream.group;
+    const tell = () => {
+      const indices = [model.get("pinned"), model.get("hovered")].filter((index) => index !== null);
+      const { frame_id: frame = "" } = stream.about;
+      pointAtRays(
+        this,
+        robot(),
+        indices.map((index) => ({ index, frame })),
+      );
+    };
+    tell();
+    onChange(model, ["pinned", "hovered"], tell, signal);
+    onAbort(signal, () => pointAtRays(this, robot(), []));
     onLight(
-      () => stream.robot,
+      robot,
       (lit) => {
         // Of several lasers of a robot, only the one whose scan was read.
         const { frame_id = "" } = stream.about;

@@ -1,12 +1,13 @@
 import { make, makeButton, set, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toCount, toFixed } from "../shared/format.ts";
-import { light } from "../shared/lit.ts";
+import { type Lit, light, onPointedRays, type PointedRay, pointedRays, readsOne } from "../shared/lit.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
 import type { Codes } from "./codes.ts";
 import { drawGraph, SECONDS } from "./graph.ts";
+import { Recorded } from "./recorded.ts";
 import { Row } from "./row.ts";
 import { type Call, type Line, type Step, type Steps, type Trace, tracesOf } from "./steps.ts";
 import type { FunctionCode, LinesAbout, LinesTraits, VersionCode } from "./traits.ts";
@@ -35,6 +36,7 @@ export class LinesView {
   /** The robot whose rays are lit. A closed model has no robot any more. */
   #lit = "";
   #pointed: { section: Section; line: number } | null = null;
+  readonly #recorded: Recorded;
 
   constructor(
     model: Model<LinesTraits>,
@@ -53,7 +55,8 @@ export class LinesView {
     this.#card.addControls(this.#back, this.#next);
     this.#card.controls.append(this.#fold);
     this.#table.role = "table";
-    this.#card.picture.append(this.#table, this.#empty);
+    this.#recorded = new Recorded(model, this.#card.redraw, signal);
+    this.#card.picture.append(this.#recorded.button, this.#table, this.#empty);
     this.#card.footer.append(this.#said);
     const { root } = this.#card;
     // Before the listener of the card, which would go from frame to frame and skip the steps between them.
@@ -62,7 +65,9 @@ export class LinesView {
     on(this.#table, "pointerleave", () => this.#point(null), signal);
     on(this.#table, "focusin", ({ target }) => this.#point(target), signal);
     on(this.#table, "focusout", () => this.#point(null), signal);
-    onChange(model, ["_code", "folded"], this.#card.redraw, signal);
+    on(this.#table, "click", ({ target }) => this.#choose(target), signal);
+    onPointedRays(this.#card.redraw, signal);
+    onChange(model, ["_code", "folded", "_drive", "_chosen", "_offer"], this.#card.redraw, signal);
     onAbort(signal, () => this.#point(null));
   }
 
@@ -82,7 +87,13 @@ export class LinesView {
     const isFolded = this.#model.get("folded");
     const { paused } = this.#stream;
     const code = this.#codes.of(frame?.key);
-    const facts = step ? [`step ${toCount(step.number)}`, `${toFixed(step.time, 2)} s`] : [];
+    const { span } = this.#recorded;
+    this.#card.canFreeze = !span;
+    this.#recorded.drawButton();
+    // A function of samples has no steps before the one on show.
+    const number = step?.number ? [`step ${toCount(step.number)}`] : [];
+    const time = step && (step.calls.length || !span) ? [`${toFixed(step.time, 2)} s`] : [];
+    const facts = step ? [...number, ...time] : [];
     const said = mode === "running" ? "" : mode === "replaced" ? "a newer version drives" : mode;
     this.#card.update(
       [version ? `v${code.version ?? version}` : "", ...facts, said, isFolded ? summaryOf(step, code) : ""],
@@ -102,10 +113,14 @@ export class LinesView {
       return;
     }
     if (code !== this.#shown) this.#build(code);
+    const rays = pointedRays(this.#stream.robot);
+    const { chosen } = this.#recorded;
     for (const section of this.#sections) {
-      section.update(step, failure);
+      section.update(step, failure || (span && this.#sections.length === 1 ? "-" : ""));
+      section.mark(step, rays, chosen);
     }
-    this.#drawGraphs(frame, step);
+    if (span) this.#drawDrive(step, span);
+    else this.#drawGraphs(frame, step);
     this.#say(frame);
     this.#light(step);
   }
@@ -141,7 +156,19 @@ export class LinesView {
     for (const { code, rows, kinds } of this.#sections) {
       for (const [i, row] of rows.entries()) {
         const trace: Trace = traces.get(`${code.key}:${i}`) ?? [];
-        drawGraph(row.graph, trace, kinds.get(i) ?? "reached", until, cursor, theme, size.ratio);
+        drawGraph(row.graph, trace, kinds.get(i) ?? "reached", [from, until], cursor, theme, size.ratio);
+      }
+    }
+  }
+
+  /** Draws the graphs over the whole recording. */
+  #drawDrive(step: Step, span: [from: number, to: number]): void {
+    const { theme, size } = this.#card;
+    for (const { code, rows, kinds } of this.#sections) {
+      for (const [i, row] of rows.entries()) {
+        const { kind = "reached", trace = [] } = this.#recorded.graphOf(code.key, i) ?? {};
+        if (trace.length) kinds.set(i, kind);
+        drawGraph(row.graph, trace, kind, span, step.at, theme, size.ratio);
       }
     }
   }
@@ -151,19 +178,26 @@ export class LinesView {
     const { section, line = -1 } = this.#pointed ?? {};
     const found = section && frame.totals[section.code.key]?.find(([number]) => number === line);
     const of = `of ${toCount(frame.total)} step${frame.total === 1 ? "" : "s"}`;
+    const { span, words } = this.#recorded;
+    if (span && !section?.code.code.includes(line)) {
+      setText(this.#said, words || ((this.#stream.about as LinesAbout).assumes ?? ""));
+      return;
+    }
     if (!section?.code.code.includes(line)) {
       setText(this.#said, `${toCount(frame.total)} step${frame.total === 1 ? "" : "s"} of this version`);
+      return;
+    }
+    if (span && this.#recorded.chosen === section.code.first + line && words) {
+      setText(this.#said, words);
       return;
     }
     const [, reached = 0, isTrue = 0] = found ?? [];
     const name = `line ${section.code.first + line}`;
     const isFlag = section.kinds.get(line) === "flag";
-    setText(
-      this.#said,
-      isFlag
-        ? `${name} was true in ${toCount(isTrue)} ${of}, reached in ${toCount(reached)}`
-        : `${name} was reached in ${toCount(reached)} ${of}`,
-    );
+    const how = isFlag
+      ? `${name} was true in ${toCount(isTrue)} ${of}, reached in ${toCount(reached)}`
+      : `${name} was reached in ${toCount(reached)} ${of}`;
+    setText(this.#said, span ? `${how}: click or Enter marks when` : how);
   }
 
   /** Lights in the robot's laser the rays that the pointed or focused line read. */
@@ -171,12 +205,8 @@ export class LinesView {
     const { section, line } = this.#pointed ?? {};
     if (!section) return;
     const call = step.calls.find(({ key }) => key === section.code.key);
-    const [, , , , , , rays = []] = call?.lines.find(([number]) => number === line) ?? [];
     this.#lit = this.#stream.robot;
-    light(
-      this.#lit,
-      rays.map(([runs, nearest, frame]) => ({ runs, nearest, frame })),
-    );
+    light(this.#lit, toLit(call?.lines.find(([number]) => number === line)));
   }
 
   #point(target: EventTarget | null): void {
@@ -187,6 +217,14 @@ export class LinesView {
     this.#pointed = section ? { section, line } : null;
     if (!section) light(this.#lit, []);
     this.#card.redraw();
+  }
+
+  /** Marks in the player when a clicked line was true or reached. */
+  #choose(target: EventTarget | null): void {
+    if (!this.#recorded.span) return;
+    this.#point(target);
+    const { section, line = -1 } = this.#pointed ?? {};
+    if (section?.code.code.includes(line)) this.#recorded.toggle(section.code.first + line);
   }
 
   #unpoint(): void {
@@ -200,6 +238,11 @@ export class LinesView {
       event.preventDefault();
       event.stopPropagation();
     }
+    if (this.#recorded.span && this.#onChoice(event)) {
+      event.preventDefault();
+      event.stopPropagation();
+      return;
+    }
     const rows = this.#rows;
     const at = rows.indexOf(event.target as HTMLElement);
     const next = rows[at + (MOVES[event.key] ?? 0)];
@@ -208,6 +251,14 @@ export class LinesView {
     event.stopPropagation();
     for (const row of rows) set(row, "tabIndex", row === next ? 0 : -1);
     next.focus();
+  }
+
+  /** Marks the spans of the focused line, or no spans; returns false for other keys. */
+  #onChoice({ key, target }: KeyboardEvent): boolean {
+    if (key === "Escape" && this.#recorded.chosen !== undefined) this.#recorded.toggle(this.#recorded.chosen);
+    else if (key === "Enter" && this.#rows.includes(target as HTMLElement)) this.#choose(target);
+    else return false;
+    return true;
   }
 
   /** Goes to the next or the previous step of a frozen picture; returns false without one. */
@@ -275,6 +326,16 @@ class Section {
     this.#updateLoops(call);
   }
 
+  /** Marks the lines that read the pointed rays, and the line whose spans are marked. */
+  mark(step: Step, pointed: PointedRay[], chosen: number | undefined): void {
+    const call = step.calls.find(({ key }) => key === this.code.key);
+    const read = new Map(call?.lines.map((line) => [line[0], toLit(line)]));
+    for (const [i, { root }] of this.rows.entries()) {
+      set(root.dataset, "ray", String(pointed.length > 0 && readsOne(read.get(i) ?? [], pointed)));
+      set(root, "ariaSelected", chosen === undefined ? null : String(chosen === this.code.first + i));
+    }
+  }
+
   /** Shows the passes of loops. They keep their largest height so far, so that nothing jumps. */
   #updateLoops(call: Call | undefined): void {
     for (const [number, element] of this.#loops) {
@@ -303,6 +364,11 @@ class Section {
       element.style.setProperty("--rw-passes", String(seen));
     }
   }
+}
+
+function toLit(line: Line | undefined): Lit[] {
+  const [, , , , , , rays = []] = line ?? [];
+  return rays.map(([runs, nearest, frame]) => ({ runs, nearest, frame }));
 }
 
 /** Returns the return value of a step, for a folded card. */

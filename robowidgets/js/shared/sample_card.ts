@@ -1,6 +1,6 @@
 import { Bar } from "./bar.ts";
 import { Card } from "./card.ts";
-import { make, makeButton, makeIcon, PAUSE, PLAY, setText } from "./dom.ts";
+import { make, makeButton, makeIcon, PAUSE, PLAY, setHidden, setText } from "./dom.ts";
 import { isPlain, on } from "./events.ts";
 import { toAge, toCount, toFixed } from "./format.ts";
 import { Lamps } from "./lamps.ts";
@@ -25,6 +25,7 @@ export class SampleCard extends Card {
   alsoNumbers: ((moment: Moment) => Record<string, number | null>) | null = null;
   readonly #model: Model<SampleTraits>;
   readonly #stream: Stream<Frame>;
+  #canFreeze = true;
   readonly #freeze: HTMLButtonElement;
   readonly #freezeText = make("span", "");
   /** The words around the number are hidden in a narrow card. */
@@ -61,6 +62,12 @@ export class SampleCard extends Card {
     onChange(model, ["_source"], this.redraw, signal);
     on(this.header, "pointerenter", () => this.#tellAll(), signal);
     on(this.root, "keydown", (event) => this.#onKey(event), signal);
+  }
+
+  /** False for a card that always shows the time of a player. */
+  set canFreeze(can: boolean) {
+    this.#canFreeze = can;
+    setHidden(this.#freeze, !can);
   }
 
   /** Inserts controls of the widget before the freeze button. */
@@ -155,7 +162,7 @@ export class SampleCard extends Card {
   #onKey(event: KeyboardEvent): void {
     if (!isPlain(event)) return;
     if (this.#stream.step(STEPS[event.key] ?? 0)) event.preventDefault();
-    if (event.key !== " " || event.target instanceof HTMLButtonElement) return;
+    if (event.key !== " " || event.target instanceof HTMLButtonElement || !this.#canFreeze) return;
     event.preventDefault();
     // The bar is hidden when the picture is released. Focus must not leave the card with it.
     const isInPicture = event.target !== this.picture && this.picture.contains(event.target as Element);

@@ -62,10 +62,14 @@ class StopsCondition(Condition):
         return steps([time_ns for time_ns, _ in rounds], [value for _, value in rounds])
 
     def moments(
-        self, search: Search, run: ProgramRun
+        self, search: Search, run: ProgramRun, since_ns: int | None = None
     ) -> Iterator[tuple[int, float, Mapping[str, Callable[[], Any]] | None]]:
-        """The steps of a run: nanoseconds, seconds, and what makes its samples, or None if one is too old."""
+        """The steps of a run: nanoseconds, its seconds, and what makes its samples, or None if one is too old.
+
+        It begins at a time, or without one at the start of the recording.
+        """
         recording = search.recording
+        since_ns = (recording.start_ns or 0) if since_ns is None else since_ns
         read = self._read(recording)
         all_topics = shown(recording.topics)
         now = Now(recording.start_ns or 0)
@@ -77,10 +81,9 @@ class StopsCondition(Condition):
             if KINDS[all_topics[topic].widget or ""].goes_stale
         }
         samples = {name: partial(self._sample, instant, name) for name in read if name != POSE}
-        for time_ns in self._ticks(search, now, run, read):
-            seconds = (time_ns - (recording.start_ns or 0)) / 1e9
-            is_old = any(seconds - now.seconds_of.get(topic, -np.inf) > most for topic, most in longest.items())
-            yield time_ns, seconds, None if is_old else samples
+        for time_ns in self._ticks(search, now, run, read, since_ns):
+            is_old = any(now.seconds - now.seconds_of.get(topic, -np.inf) > most for topic, most in longest.items())
+            yield time_ns, (time_ns - since_ns) / 1e9, None if is_old else samples
 
     def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
         """See `Condition`."""
@@ -94,18 +97,20 @@ class StopsCondition(Condition):
     def __str__(self) -> str:
         return f"{self._name} stops"
 
-    def _ticks(self, search: Search, now: Now, run: ProgramRun, read: dict[str, list[str]]) -> Iterator[int]:
+    def _ticks(
+        self, search: Search, now: Now, run: ProgramRun, read: dict[str, list[str]], since_ns: int
+    ) -> Iterator[int]:
         """Yield the times of the program's steps, and set ``now`` to each."""
         recording, period = search.recording, round(1e9 / self._rate)
         names = dict.fromkeys(name for names in read.values() for name in names)
-        next_ns, looked = recording.start_ns or 0, 0
+        next_ns, looked = since_ns, 0
         for time_ns, samples in together({name: samples_of(recording, name) for name in names}):
             while next_ns < time_ns and next_ns <= search.end_ns:
                 now.time_ns = next_ns
                 yield next_ns
                 next_ns += period
             now.put(time_ns, samples)
-            for topic in read.get(POSE, ()):
+            for topic in read.get(POSE, ()) if time_ns >= since_ns else ():
                 if topic in samples and (pose := samples[topic]().pose) is not None:
                     run.odometer.add(pose)
             looked += len(samples)

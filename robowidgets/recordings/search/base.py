@@ -131,6 +131,11 @@ class FunctionCondition(Condition):
         self._names = names_of(function) if names is None else tuple(names)
 
     @property
+    def function(self) -> Callable[..., Any]:
+        """The function."""
+        return self._function
+
+    @property
     def reads(self) -> frozenset[str]:
         """See `Condition`."""
         return frozenset(self._names)

@@ -7,6 +7,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import SequenceMatcher
+from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,6 +22,7 @@ from ...behaviors.program import Program
 from ...behaviors.robot import GIVEN, ODOMETRY
 from ...behaviors.simulation import ProgramRun
 from ...behaviors.version import RATE
+from ...kinds import KINDS, sample_names
 from ...notebook.progress import Progress, without_bars
 from ...runtime.tables import Table
 from ...samples.checks import finite
@@ -42,8 +44,8 @@ _NOT_REACHED, _REACHED, _FALSE, _TRUE = range(4)
 """Of each step one of these is kept for each line."""
 
 
-class _Made(NamedTuple):
-    """A step: its time, its notes, its return value, and the error that ended it, or empty."""
+class MadeStep(NamedTuple):
+    """A step: its time by the clock of the recording, its notes, its return value, and the error that ended it."""
 
     time_ns: int
     step: WatchedStep
@@ -60,7 +62,7 @@ class StepText:
         error: the error that ended it, empty without one.
     """
 
-    def __init__(self, seconds: float, made: _Made) -> None:
+    def __init__(self, seconds: float, made: MadeStep) -> None:
         self.seconds, self.returned = seconds, made.returned
         self._calls = made.step.calls
         self.error = made.error
@@ -91,12 +93,22 @@ class RecordedLines:
     values of a moment are computed again on request.
 
     Attributes:
+        maker: makes its steps.
         seconds: the times of its steps, from the start of the recording.
         error: the error that ended it, with its time; empty without one.
     """
 
-    def __init__(self, recording: RecordingData, function: Any, rate: float, topics: Any) -> None:
-        self._walker = _Walker(recording, function, rate, topics)
+    def __init__(
+        self,
+        recording: RecordingData,
+        function: Any,
+        rate: float,
+        topics: Any,
+        *,
+        span: tuple[float, float] | None = None,
+        is_filled: bool = True,
+    ) -> None:
+        self.maker = StepMaker(recording, function, rate, topics, span)
         self._start_ns = recording.start_ns or 0
         self._end_ns = self._start_ns
         self._functions: dict[str, WatchedCall] = {}
@@ -105,15 +117,23 @@ class RecordedLines:
         """A byte for each step, by function and number of the line."""
         self._times: list[int] = []
         self.error = ""
-        with _bar() as bar:
-            for made in self._walker.walk(bar):
-                self._add(made)
-        for codes in self._codes.values():
+        self.seconds = np.zeros(0)
+        if is_filled:
+            with _bar() as bar:
+                for _ in self.fill(bar):
+                    pass
+
+    def fill(self, bar: Progress) -> Iterator[MadeStep]:
+        """Make all steps, one for each that the caller asks for, up to one that fails."""
+        for made in self.maker.walk(bar):
+            self._add(made)
+            yield made
+        for codes in list(self._codes.values()):
             codes.extend(bytes(len(self._times) - len(codes)))
-        self._end_ns = self._walker.end_ns
+        self._end_ns = self.maker.end_ns
         self.seconds = (np.array(self._times, np.int64) - self._start_ns) / 1e9
 
-    def _add(self, made: _Made) -> None:
+    def _add(self, made: MadeStep) -> None:
         number = len(self._times)
         self._times.append(made.time_ns)
         for call in made.step.calls:
@@ -129,6 +149,19 @@ class RecordedLines:
     def __len__(self) -> int:
         return len(self._times)
 
+    @property
+    def calls(self) -> list[WatchedCall]:
+        """A call of each function, in the order of their lines."""
+        return sorted(self._functions.values(), key=lambda call: call.source.first)
+
+    def counts(self) -> dict[str, list[list[int]]]:
+        """Return for the lines of each function, from 0, in how many steps they were reached, and in how many true."""
+        found: dict[str, list[list[int]]] = {}
+        for (key, line), codes in list(self._codes.items()):
+            number = line - self._functions[key].source.first
+            found.setdefault(key, []).append([number, len(codes) - codes.count(_NOT_REACHED), codes.count(_TRUE)])
+        return found
+
     def at(self, seconds: float) -> StepText:
         """Return the lines of the last step up to a time, computed again.
 
@@ -140,7 +173,7 @@ class RecordedLines:
         if index < 0:
             first = f"the first one is at {self.seconds[0]:.2f} s" if self._times else "there is none"
             raise ValueError(f"seconds: no step was made up to {seconds:g} s; {first}")
-        made = self._walker.make(index)
+        made = self.maker.make(index)
         return StepText(float(self.seconds[index]), made)
 
     def when(self, line: int) -> Spans:
@@ -156,8 +189,11 @@ class RecordedLines:
         if line not in reachable:
             there = f"{reachable[0]} to {reachable[-1]}" if reachable else "none"
             raise ValueError(f"line: expected the number of a line with code, {there}, got {line!r}")
-        of_line = [np.frombuffer(codes, np.uint8) for (_, number), codes in self._codes.items() if number == line]
-        codes = np.max([np.zeros(len(self), np.uint8), *of_line], axis=0)
+        codes = np.zeros(len(self), np.uint8)
+        for (_, number), of_line in list(self._codes.items()):
+            if number == line:
+                known = np.frombuffer(bytes(of_line), np.uint8)[: len(codes)]
+                codes[: len(known)] = np.maximum(codes[: len(known)], known)
         is_flag = bool(np.any(codes >= _FALSE))
         values = np.where(codes == _TRUE if is_flag else codes != _NOT_REACHED, YES, NO)
         found = [
@@ -173,12 +209,12 @@ class RecordedLines:
         return self._table().to_html()
 
     def _table(self) -> Table:
-        calls = sorted(self._functions.values(), key=lambda call: call.source.first)
         if not self._times:
-            return Table(f"{self._walker.name}: no step, as a sample that it reads never came", (), ())
+            return Table(f"{self.maker.name}: no step, as a sample that it reads never came", (), ())
+        calls = self.calls
         rows = [row for call in calls for row in self._rows(call.source)]
         why = [f"{call.source.name} runs as it is, and shows no values: {call.why}" for call in calls if call.why]
-        heading = f"{self._walker.name}: {len(self):,} steps"
+        heading = f"{self.maker.name}: {len(self):,} steps"
         problems = [self.error] if self.error else []
         return Table(heading, ("line", "code", "reached", "true"), rows, right=(0, 2, 3), notes=why, problems=problems)
 
@@ -275,7 +311,7 @@ def decisions(
         >>> len(robowidgets.decisions(near(0.5), near(0.5), recording))
         0
     """
-    first, second = _Walker(recording, old, rate, topics), _Walker(recording, new, rate, topics)
+    first, second = StepMaker(recording, old, rate, topics), StepMaker(recording, new, rate, topics)
     start_ns = recording.start_ns or 0
     is_drive = False
     kept: list[Any] = [None, None]
@@ -303,13 +339,13 @@ def decisions(
 
 
 class _Pair(NamedTuple):
-    old: _Made
-    new: _Made
+    old: MadeStep
+    new: MadeStep
     old_outcome: Any
     new_outcome: Any
 
 
-def _at_same_times(first: Iterator[_Made], second: Iterator[_Made]) -> Iterator[tuple[_Made, _Made]]:
+def _at_same_times(first: Iterator[MadeStep], second: Iterator[MadeStep]) -> Iterator[tuple[MadeStep, MadeStep]]:
     """Yield the steps that both made at the same time. No others are kept: they hold their scans."""
     one, other = next(first, None), next(second, None)
     while one is not None and other is not None:
@@ -368,43 +404,99 @@ def _value_text(line: LineValues | None) -> str:
     )
 
 
-class _Walker:
-    """Makes the steps of a function over a recording."""
+class StepMaker:
+    """Makes the steps of a function over a recording.
 
-    def __init__(self, recording: RecordingData, function: Any, rate: float, topics: Any) -> None:
+    Args:
+        recording: the recording.
+        function: the function, or a program.
+        rate: steps a second of a function that is stepped through time.
+        topics: the topics that a function of one moment may read.
+        span: start and end of the steps in seconds from the start of the recording, or None for all of it.
+
+    Attributes:
+        name: the name of the function.
+        is_program: True if it is stepped through time, so that a step depends on the steps before it.
+        rate: steps a second, if it is.
+        end_ns: the end of the last step.
+    """
+
+    def __init__(
+        self,
+        recording: RecordingData,
+        function: Any,
+        rate: float,
+        topics: Any,
+        span: tuple[float, float] | None = None,
+    ) -> None:
         self._recording, self._function, self._topics = recording, function, topics
+        self._watch = LineWatch()
+        """Has the function in its rewritten form, for single steps."""
         own = function.version if isinstance(function, Program) else None
-        self._is_program = _is_program(function)
-        if self._is_program:
-            self._stepped = StopsCondition(function, own.rate if own else rate)
+        self.rate = own.rate if own else rate
+        start_ns = recording.start_ns or 0
+        self._since_ns = start_ns if span is None else start_ns + round(span[0] * 1e9)
+        self._until_ns = None if span is None else start_ns + round(span[1] * 1e9)
+        self.is_program = _is_program(function)
+        if self.is_program:
+            self._stepped = StopsCondition(function, self.rate)
             self.name = str(self._stepped).removesuffix(" stops")
         else:
             self._names = names_of(function)
             self.name = str(getattr(function, "__name__", type(function).__name__))
         self.end_ns = recording.start_ns or 0
 
-    def walk(self, bar: Progress) -> Iterator[_Made]:
+    def walk(self, bar: Progress) -> Iterator[MadeStep]:
         """Make all steps, up to one that fails."""
         return self._walk(bar, lambda _: True)
 
-    def make(self, index: int) -> _Made:
+    def make(self, index: int) -> MadeStep:
         """Make a step again, after the steps that it may depend on."""
         # A function of samples knows of nothing before.
-        wanted = (lambda _: True) if self._is_program else (lambda number: number >= index)
+        wanted = (lambda _: True) if self.is_program else (lambda number: number >= index)
         with _bar() as bar:
             made = self._walk(bar, wanted)
-            return next(one for number, one in enumerate(made, 0 if self._is_program else index) if number == index)
+            return next(one for number, one in enumerate(made, 0 if self.is_program else index) if number == index)
 
-    def _walk(self, bar: Progress, is_wanted: Callable[[int], bool]) -> Iterator[_Made]:
+    def _walk(self, bar: Progress, is_wanted: Callable[[int], bool]) -> Iterator[MadeStep]:
         watch = LineWatch()
         search = Search(self._recording, self._topics, bar)
-        self.end_ns = search.end_ns
-        yield from self._walk_program(search, watch) if self._is_program else self._walk_moments(watch, is_wanted)
+        self.end_ns = search.end_ns if self._until_ns is None else min(search.end_ns, self._until_ns)
+        steps = self._walk_program(search, watch) if self.is_program else self._walk_moments(watch, is_wanted)
+        for made in steps:
+            if made.time_ns > self.end_ns:
+                return
+            yield made
 
-    def _walk_program(self, search: Search, watch: LineWatch) -> Iterator[_Made]:
+    def read(self) -> None:
+        """Read the samples that its steps may need from the file, so that later only the function takes time."""
+        if self.is_program:
+            topics = self._stepped.topics(self._recording, None)
+        else:
+            asked = {*(self._names or sample_names())}
+            kinds = {kind.name for kind in KINDS.values() if asked & {kind.sample_name, kind.parameter}}
+            there = topics_to_read(self._recording, self._topics)
+            topics = [topic.name for topic in there if topic.widget in kinds]
+        for name in topics:
+            len(self._recording.series(name))
+
+    def make_at(self, seconds: float) -> MadeStep | None:
+        """Make the step of a function of samples at a time, of the last samples up to it; None if one is missing."""
+        recording = self._recording
+        topics = topics_to_read(recording, self._topics)
+        start_ns = recording.start_ns or 0
+        now = _NowAt(recording, [topic.name for topic in topics], seconds)
+        instant = Instant(recording.path.name, topics, now, recording.preferred)
+        made = self._step_at(now.time_ns, instant, now, self._watch, -1, True)
+        if not isinstance(made, MadeStep):
+            return None
+        read = [start_ns + round(now.seconds_of[topic] * 1e9) for topic in now.read & now.seconds_of.keys()]
+        return made._replace(time_ns=max(read, default=now.time_ns))
+
+    def _walk_program(self, search: Search, watch: LineWatch) -> Iterator[MadeStep]:
         run = ProgramRun(self._function)
         run.lines = watch
-        for time_ns, seconds, samples in self._stepped.moments(search, run):
+        for time_ns, seconds, samples in self._stepped.moments(search, run, self._since_ns):
             if samples is None:
                 continue
             before, error = watch.newest, ""
@@ -417,11 +509,11 @@ class _Walker:
                     raise
                 error = error_text(raised)
             if watch.newest is not None:
-                yield _Made(time_ns, watch.newest, None if error else run.returned, error)
+                yield MadeStep(time_ns, watch.newest, None if error else run.returned, error)
             if error:
                 return
 
-    def _walk_moments(self, watch: LineWatch, is_wanted: Callable[[int], bool]) -> Iterator[_Made]:
+    def _walk_moments(self, watch: LineWatch, is_wanted: Callable[[int], bool]) -> Iterator[MadeStep]:
         recording = self._recording
         topics = topics_to_read(recording, self._topics)
         now = Now(recording.start_ns or 0)
@@ -430,6 +522,8 @@ class _Walker:
         used: set[str] | None = None
         for time_ns, samples in together({topic.name: samples_of(recording, topic.name) for topic in topics}):
             now.put(time_ns, samples)
+            if time_ns < self._since_ns:
+                continue
             # Only the samples that it read last time may change its result.
             if used is not None and used.isdisjoint(samples):
                 continue
@@ -438,14 +532,14 @@ class _Walker:
                 continue
             used = {*now.read} - {""} if "" not in now.read else None
             number += 1
-            if isinstance(made, _Made):
+            if isinstance(made, MadeStep):
                 yield made
                 if made.error:
                     return
 
     def _step_at(
         self, time_ns: int, instant: Instant, now: Now, watch: LineWatch, number: int, is_wanted: bool
-    ) -> _Made | bool | None:
+    ) -> MadeStep | bool | None:
         """Return a step, True if it is not wanted but would be made, or None if a sample is missing."""
         now.read.clear()
         returned, error = None, ""
@@ -463,7 +557,25 @@ class _Walker:
             return None
         except Exception as raised:  # it is shown on its line
             error = error_text(raised)
-        return _Made(time_ns, watch.newest, returned, error) if is_wanted and watch.newest else True
+        return MadeStep(time_ns, watch.newest, returned, error) if is_wanted and watch.newest else True
+
+
+class _NowAt(Now):
+    """The last samples up to a time, read only if a function asks for them."""
+
+    def __init__(self, recording: RecordingData, topics: Iterable[str], seconds: float) -> None:
+        start_ns = recording.start_ns or 0
+        super().__init__(start_ns)
+        self.time_ns = start_ns + round(seconds * 1e9)
+        self._recording, self._at = recording, seconds
+        self.samples = {topic: partial(self._sample, topic) for topic in topics}
+
+    def _sample(self, topic: str) -> Any:
+        moment = self._recording.at(topic, self._at)
+        if moment is None:
+            raise NoSampleYetError(topic)
+        self.seconds_of[topic] = moment.seconds
+        return moment.sample
 
 
 def _arguments(function: Any, given: dict[str, Any], instant: Instant) -> tuple[Any, dict[str, Any]]:

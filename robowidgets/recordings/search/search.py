@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ...notebook.progress import Progress, without_bars
 from ._search import Search
 from ._steps import steps
-from .base import condition
+from .base import FunctionCondition, condition
 from .spans import Spans
 
 if TYPE_CHECKING:
@@ -29,10 +29,12 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
             # An interrupt within a condition on whole columns: it is unknown at all times.
             search.cut(start_ns)
             result = steps([], [])
-    return Spans(
+    found = Spans(
         str(wanted),
         search.found(result),
         (search.end_ns - start_ns) / 1e9 if search.is_cut else None,
         recording.problems,
         dict.fromkeys(wanted.looked_at(search)),
     )
+    found.function = wanted.function if isinstance(wanted, FunctionCondition) else None
+    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any, overload
 
 from ...runtime.tables import Table
@@ -28,7 +28,14 @@ class Spans(Sequence[Span]):
         until: seconds up to which the recording was searched, if the search was interrupted, or None for all of it.
         problems: the problems of the recording, as in `Recording.problems`: spans may be missing.
         topics: the topics that were read.
+
+    Attributes:
+        function: the function that was searched with, or None.
+        shown_by: shows the recording of the spans; None if it is not known.
     """
+
+    function: Any = None
+    shown_by: Callable[..., Any] | None = None
 
     def __init__(
         self,
@@ -59,6 +66,20 @@ class Spans(Sequence[Span]):
     def seconds(self) -> float:
         """The sum of the lengths of all spans, in seconds."""
         return sum(span.seconds for span in self)
+
+    def show(self, *topics: str, **options: Any) -> Any:
+        """Show the recording at the first span, with the spans as marks, and the lines of the function if it has one.
+
+        Args:
+            *topics: as for `Recording.show`.
+            **options: keywords of `Recording.show`.
+
+        Raises:
+            RuntimeError: `Recording.find` did not return these spans.
+        """
+        if self.shown_by is None:
+            raise RuntimeError(f"{self.condition}: only what Recording.find has returned can be shown")
+        return self.shown_by(*topics, **{"lines": self, **options})
 
     def to_pandas(self) -> Any:
         """Return a pandas DataFrame: a row for each span.

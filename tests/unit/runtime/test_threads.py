@@ -40,7 +40,7 @@ def avoid(scan):
 
 of_program, pad = ProgramWidget(feed), DriveWidget(send=feed.drive)
 recorder = feed.record({run!r})
-player = robowidgets.open(robowidgets.SAMPLE).show()
+player = robowidgets.open(robowidgets.SAMPLE).show(lines=lambda scan: scan.distance("front") < 0.5)
 player.seek(5.0)
 guarded = feeds.simulator(wander=False, process=True)
 guarded.connect("/odom", lambda speed: None)
@@ -56,6 +56,7 @@ sheet.widget._on_page(sheet.widget, {{"look": [0], "open": 0}}, [])
 while not (len(heard) > 20 and avoid.steps > 20 and wall.sample and {expected!r} <= threads()):
     assert time.monotonic() < deadline, ({expected!r} - threads(), len(heard), avoid)
     player._prefetcher.start()  # as a page does that wants its segments
+    player.lines.ask(5.0)
     time.sleep(0.01)
 lock_order.write(Path({out!r}))
 """

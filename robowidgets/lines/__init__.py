@@ -1,0 +1,1 @@
+"""The lines of a program over a recording, on the page."""
