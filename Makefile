@@ -50,9 +50,10 @@ lint: setup build
 	.venv/bin/check-jsonschema --quiet --builtin-schema vendor.citation-file-format CITATION.cff
 	cd $(JS) && npm run --silent check
 
-# What each widget weighs, and what more of it costs: figures, no limit.
+# What each widget weighs and imports, and what more of it costs: figures, no limit.
 sizes: setup build
 	.venv/bin/python scripts/sizes.py
+	.venv/bin/python scripts/imports.py
 
 format: setup
 	.venv/bin/ruff check --fix .

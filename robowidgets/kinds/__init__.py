@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import UserDict
+from collections.abc import Callable, Iterable, Mapping, Sequence, ValuesView
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from ..messages.fields import MessageShape, unwrap
 from ..messages.standard import CAMERA_INFO, ToMessage
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 log = logging.getLogger("robowidgets")
 
 ROOMS = "robowidgets.rooms"
-"""The group of entry points with the rows of other packages."""
+"""The module that adds the rows of this package, and the group of entry points with the rows of other packages."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -197,10 +198,30 @@ class Kind(TopicWidget):
         return tuple(second for second in self.also if not second.types.isdisjoint(types.split(", ")))
 
 
-KINDS: dict[str, Kind] = {}
+Row = TypeVar("Row", Kind, OnDemandWidget)
+
+
+class RowTable(UserDict[str, Row]):
+    """Rows by name. The first use imports the rows of this package, which a single widget does not need."""
+
+    def __init__(self) -> None:
+        self._rows: dict[str, Row] = {}
+
+    @property
+    def data(self) -> dict[str, Row]:  # type: ignore[override]
+        """The rows, with the rows of this package."""
+        __import__(ROOMS)  # costs a fraction of import_module, once it is there
+        return self._rows
+
+    def values(self) -> ValuesView[Row]:
+        """Return the rows in their order."""
+        return self.data.values()
+
+
+KINDS: RowTable[Kind] = RowTable()
 """The kinds by name, in the order of their widgets on a page. `add` appends another."""
 
-ON_DEMAND: dict[str, OnDemandWidget] = {}
+ON_DEMAND: RowTable[OnDemandWidget] = RowTable()
 """On-demand widgets by name, the most useful first. `add` appends another."""
 
 _RESERVED = ("time_ns", "seconds", "topic")

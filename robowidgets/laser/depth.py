@@ -7,8 +7,6 @@ from typing import Any
 
 import traitlets
 
-from ..camera import depth_scan
-from ..kinds import info_of
 from ..messages import to_camera_info, to_image
 from ..messages.fields import has, unwrap
 from ..messages.image import IMAGE_TYPES
@@ -50,11 +48,15 @@ class HasDepth(RobotWidget[Scan]):
 
     def topics_beside(self, topics: Mapping[str, str]) -> list[tuple[str, Callable[[Any], object]]]:
         """See `TakesTopics` in `poses.live_frames`: the calibration of the camera of a depth image."""
+        from ..kinds import info_of  # Imported lazily: a widget without a feed needs no table of kinds.
+
         topic = str(self._source.get("topic") or self.title)
         near = info_of(topic, topics) if topics.get(topic) in IMAGE_TYPES else ""
         return [(near, self.calibrate)] if near and not self.driven_by_player else []
 
     def _scan_of_image(self, given: Any) -> Scan:
+        from ..camera import depth_scan  # Imported lazily: few laser widgets show a depth image.
+
         image = to_image(given)
         if not image.is_depth:
             raise ValueError(f"a picture in {image.encoding} has no distances: a scan needs a depth image")

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..samples.checks import is_masked
+
 MOST_VALUES = 4_000_000
 """Values that a line keeps: an hour at 1 kHz. If there are more, the oldest quarter is dropped."""
 
@@ -83,7 +85,7 @@ def _numbers(what: str, given: ArrayLike) -> Floats:
     if array.ndim != 1:
         raise ValueError(f"{what}: expected an array of one dimension, got shape {array.shape}")
     numbers = array.astype(np.float64)
-    if isinstance(numbers, np.ma.MaskedArray):
+    if is_masked(numbers):
         return np.asarray(numbers.filled(np.nan))
     return np.asarray(numbers)
 

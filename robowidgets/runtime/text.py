@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Sequence
 from datetime import datetime, timedelta, timezone
 from math import degrees
@@ -46,4 +45,6 @@ def nearest_name(name: str, known: Iterable[str]) -> str | None:
     """Return the most similar known name: one that starts with it, else one spelt alike, or None without any."""
     names = list(known)
     longer = [other for other in names if other.startswith(name)]
-    return next(iter(difflib.get_close_matches(name, longer or names, n=1)), None)
+    from difflib import get_close_matches  # Imported lazily: few names are wrong.
+
+    return next(iter(get_close_matches(name, longer or names, n=1)), None)

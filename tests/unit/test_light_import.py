@@ -1,4 +1,4 @@
-"""Imports of a lesson with the simulated robot: in a browser each package is fetched, and starts slowly."""
+"""Imports of one widget, and of a lesson with the simulated robot, for which a browser fetches each package."""
 
 from __future__ import annotations
 
@@ -6,6 +6,28 @@ import subprocess
 import sys
 
 import pytest
+
+FIRST_WIDGET = """
+import sys
+import ipykernel.ipkernel, ipywidgets, numpy, anywidget
+before = set(sys.modules)
+import robowidgets
+print(sorted({name.split(".")[1] for name in set(sys.modules) - before if name.startswith("robowidgets.")}))
+robowidgets.LaserWidget().update(ranges=[1.0] * 21, angle_min=-1.0, angle_increment=0.1, range_min=0.1, range_max=10.0)
+new = set(sys.modules) - before
+print(sorted({name.split(".")[1] for name in new if name.startswith("robowidgets.")}))
+print(sorted(new & {"numpy.ma", "difflib", "decimal", "importlib.metadata"}))
+"""
+
+
+def test_a_first_laser_widget_imports_no_other_room_and_nothing_that_drives_or_records() -> None:
+    done = subprocess.run([sys.executable, "-c", FIRST_WIDGET], capture_output=True, text=True, check=False)
+    assert done.stderr == ""
+    package, laser, others = done.stdout.splitlines()
+    assert package == "['runtime']"
+    assert laser == "['laser', 'laser_widget', 'messages', 'poses', 'runtime', 'samples', 'shapes', 'widget']"
+    assert others == "[]"
+
 
 LESSON = """
 import sys

@@ -26,6 +26,19 @@ def test_a_star_import_leaves_the_names_of_python_alone() -> None:
     assert all(hasattr(robowidgets, name) for name in [*robowidgets.__all__, "open"])
 
 
+def test_type_checkers_and_completion_know_each_name_that_is_imported_at_its_first_use() -> None:
+    tree = ast.parse(Path(robowidgets.__file__).read_text(encoding="utf-8"))
+    (block,) = [node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
+    checked = {}
+    for statement in block.body:
+        assert isinstance(statement, ast.ImportFrom)
+        module = import_module(f".{statement.module or ''}" if statement.module else "robowidgets", "robowidgets")
+        checked |= {alias.name: getattr(module, alias.name) for alias in statement.names}
+    assert {name: getattr(robowidgets, name) for name in checked} == checked
+    assert {*robowidgets.__all__, "open"} - {"SAMPLE"} <= {*checked} <= {*dir(robowidgets)}
+    assert {*dir(robowidgets)} - {*checked} <= {*vars(robowidgets)}
+
+
 @pytest.mark.parametrize(
     ("word", "meant"),
     [("Laser", "LaserWidget"), ("Touc", "Touch"), ("simulater", "simulator"), ("laserwidget", "LaserWidget")],
