@@ -74,7 +74,7 @@ const START: State = {
   clip: "",
 };
 
-/** What was drawn on each canvas since it was last cleared. */
+/** The calls that drew each canvas since it was last cleared. */
 const logs = new WeakMap<object, string[]>();
 
 export const drawn = (canvas: object): string[] => logs.get(canvas) ?? [];

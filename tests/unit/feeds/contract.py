@@ -123,7 +123,7 @@ class Listening:
 
 
 class SourceContract:
-    """What each middleware does."""
+    """The contract of every middleware."""
 
     def test_a_message_comes_with_its_topic_and_type(self, robot: Source) -> None:
         with Listening(robot, robot.scan) as listening:
@@ -184,7 +184,7 @@ class SourceContract:
 
 
 class RobotContract(SourceContract):
-    """What each middleware of a robot does, too."""
+    """The contract of the middleware of a robot."""
 
     def test_a_topic_may_come_later_and_go(self, robot: Robot) -> None:
         with Listening(robot, robot.scan, robot.other) as listening:
