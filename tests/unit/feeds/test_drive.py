@@ -787,9 +787,9 @@ def test_of_several_topics_that_are_heard_none_is_driven_and_all_are_named(drive
     assert set(script.speeds) == {(0.0, 0.0)}
     pad = Pad(send=None)
     pad.connect(feed)
-    pad.hear("hold", token=pad.press(), forward=0.2)
+    pad.from_page("hold", token=pad.press(), forward=0.2)
     wait_for(lambda: "unlike /robot1/cmd_vel and /robot2/cmd_vel" in pad.told["error"], "the pad says so")
-    pad.hear("release")
+    pad.from_page("release")
     program = feed.program(lambda: Drive(0.1))
     wait_for(lambda: "unlike /robot1/cmd_vel and /robot2/cmd_vel" in program.waiting, "the program says so")
     assert set(script.speeds) == {(0.0, 0.0)}

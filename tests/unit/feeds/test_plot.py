@@ -131,5 +131,6 @@ def test_a_topic_of_numbers_that_is_asked_for_by_name_has_a_plot_of_its_own(feed
 def test_a_plot_of_a_topic_without_usual_numbers_says_that_it_needs_a_field() -> None:
     with Feed(Scripted(Advert("/joints", "sensor_msgs/msg/JointState"))) as feed:
         view = feed.show("/joints as plot")
-        assert "names no field of its messages to show; name one, as &#x27;/joints.FIELD&#x27;" in view._status.value
+        (note,) = view.notes
+        assert "names no field of its messages to show; name one, as '/joints.FIELD'" in note
         view.close()
