@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from IPython.display import display
 
-from robowidgets import LaserWidget, SpeedWidget, TouchWidget, together
+from robowidgets import LaserWidget, SpeedWidget, TouchWidget, screen
 
 from .rivals.laser import GEOMETRY
 from .scan import encode
@@ -35,7 +35,7 @@ class Source:
 
     def show(self) -> None:
         """Display the widgets, and start the robot."""
-        display(together(self._laser, self._speed, self._touch))  # type: ignore[no-untyped-call]
+        display(screen(self._laser, self._speed, self._touch))  # type: ignore[no-untyped-call]
         self._thread.start()
 
     def stop(self) -> None:
