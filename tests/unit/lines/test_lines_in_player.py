@@ -23,6 +23,7 @@ from robowidgets.runtime.policies import RECORDED
 from robowidgets.screens.player import Player
 
 from ..clocks import ManualClock
+from ..pages import from_page, synced
 from ..recordings import recorded
 from ..recordings.sweeps import START_NS, TYPE, scan
 from ..waiting import wait_for
@@ -64,13 +65,13 @@ def show(recording: Recording) -> Iterator[Callable[..., Player]]:
 
 def frame(widget: RecordedLinesWidget) -> dict[str, Any]:
     """The newest frame, without its header."""
-    widget.get_state()
-    return dict(json.loads(bytes(widget._frame)[32:])) if widget._frame else {}
+    packed = widget.get_state()["_frame"]
+    return dict(json.loads(bytes(packed)[32:])) if packed else {}
 
 
 def step_at(widget: RecordedLinesWidget, seconds: float) -> dict[str, Any]:
     """The step that is shown once the values of a time have been computed."""
-    wait_for(lambda: widget._job is not None and widget._job.shown_at == seconds, f"it shows {seconds} s")
+    wait_for(lambda: (new := widget._newest.sample) and new.made and new.seconds == seconds, f"it shows {seconds} s")
     (step,) = frame(widget)["steps"]
     return dict(step)
 
@@ -82,8 +83,7 @@ def lines_of(step: dict[str, Any]) -> dict[int, str]:
 def complete(player: Player) -> RecordedLinesWidget:
     widget = player.lines
     assert widget is not None
-    wait_for(lambda: widget._job is not None and widget._job.is_complete, "the recording is computed")
-    wait_for(lambda: "times" in widget._drive, "it is told")
+    wait_for(lambda: "times" in synced(widget, "_drive"), "the recording is computed")
     return widget
 
 
@@ -106,10 +106,7 @@ def test_a_program_with_a_state_is_stepped_from_the_start_to_any_time(show: Call
         player.time = seconds
         numbers.append(int(lines_of(step_at(player.lines, seconds))[1]))
     assert numbers == [numbers[0], numbers[0] + 10, numbers[0] - 200]
-    assert (
-        "stepped 10 times a second from 0.00 s on"
-        in complete(player)._about_sample(player.lines._newest.sample)["assumes"]
-    )
+    assert "stepped 10 times a second from 0.00 s on" in synced(complete(player), "_about")["assumes"]
 
 
 def test_each_line_has_a_graph_of_bounded_size_and_counts_over_the_whole_recording(
@@ -118,7 +115,7 @@ def test_each_line_has_a_graph_of_bounded_size_and_counts_over_the_whole_recordi
     player = show(near)
     widget = complete(player)
     table = recording.lines(near)
-    told = widget._drive
+    told = synced(widget, "_drive")
     assert (told["from"], told["to"]) == (0.0, recording.duration)
     assert 200 < len(told["times"]) <= 240
     ((_, lines),) = told["lines"].items()
@@ -137,18 +134,18 @@ def test_the_spans_of_a_chosen_line_are_the_marks_until_none_is_chosen(show: Cal
     player = show(near)
     widget = complete(player)
     player.marks = before = ((1.0, 2.0, "mine"),)
-    widget._on_page(widget, {"when": FIRST + 2}, ())
+    from_page(widget, {"when": FIRST + 2})
     found = widget.when(FIRST + 2)
     assert [mark[:2] for mark in player.marks] == [(span.start, span.end) for span in found]
     assert {mark[2] for mark in player.marks} == {f"line {FIRST + 2} was true"}
-    assert widget._chosen == {"line": FIRST + 2, "spans": len(found), "what": f"line {FIRST + 2} was true"}
-    widget._on_page(widget, {"when": FIRST + 3}, ())
+    assert synced(widget, "_chosen") == {"line": FIRST + 2, "spans": len(found), "what": f"line {FIRST + 2} was true"}
+    from_page(widget, {"when": FIRST + 3})
     assert {mark[2] for mark in player.marks} == {f"line {FIRST + 3} was true"}
-    widget._on_page(widget, {"when": None}, ())
+    from_page(widget, {"when": None})
     assert player.marks == before
-    widget._on_page(widget, {"when": FIRST + 2}, ())
+    from_page(widget, {"when": FIRST + 2})
     player.marks = ((3.0, 4.0, "newer"),)
-    widget._on_page(widget, {"when": None}, ())
+    from_page(widget, {"when": None})
     assert player.marks == ((3.0, 4.0, "newer"),)
 
 
@@ -194,17 +191,17 @@ def test_a_recorded_program_shows_its_code_and_runs_it_only_on_request(
         player = show(None, opened)
     widget = player.lines
     assert widget is not None
-    assert (widget.folded, widget._offer, widget._job) == (True, OFFER, None)
-    (function,) = widget._code["functions"]
+    assert (widget.folded, synced(widget, "_offer"), widget._job) == (True, OFFER, None)
+    (function,) = synced(widget, "_code")["functions"]
     assert (function["first"], function["texts"][0]) == (4, "def avoid(scan, state):")
     widget.folded = False
     assert widget._job is None
-    widget._on_page(widget, {"compute": True}, ())
+    from_page(widget, {"compute": True})
     player.time = 4.1
     step = step_at(widget, 4.1)
     assert (lines_of(step)[1], lines_of(step)[2]) == ("21", "Drive(0, 1.4)")
     player.time = 7.0
-    assert (widget._code["version"], widget._code["functions"][0]["first"]) == (2, 2)
+    assert (synced(widget, "_code")["version"], synced(widget, "_code")["functions"][0]["first"]) == (2, 2)
     step = step_at(widget, 7.0)
     assert (lines_of(step)[1], step["time"]) == ("1", 5.0)  # with its own state, from its own start on
     assert step["calls"][0]["error"][1].startswith("NameError")
@@ -214,8 +211,8 @@ def test_a_recorded_program_without_its_text_says_why(tmp_path: Path, show: Call
     with robowidgets.open(run_of(tmp_path / "run", (0.0, "robot.program(avoid)\n"))) as opened:
         player = show(None, opened)
     assert player.lines is not None
-    assert player.lines._code["functions"][0]["why"] == "its cell does not define it"
-    assert player.lines._offer == ""
+    assert synced(player.lines, "_code")["functions"][0]["why"] == "its cell does not define it"
+    assert synced(player.lines, "_offer") == ""
 
 
 def test_a_step_that_does_not_return_is_abandoned_and_the_error_says_so(recording: Recording) -> None:
