@@ -14,7 +14,7 @@ from robowidgets.screen_widget import ScreenWidget
 from robowidgets.widget.freezing import freeze_together
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
-from ..pages import Page
+from ..pages import Page, synced
 
 
 def test_what_a_program_freezes_freezes_all_at_what_they_show() -> None:
@@ -53,7 +53,7 @@ def test_a_widget_is_in_the_group_that_it_joined_last_and_groups_keep_no_widget(
     screen(laser, other)
     laser.paused = True
     assert (speed.paused, other.paused) == (False, True)
-    assert laser._together == other._together != speed._together
+    assert synced(laser, "_together") == synced(other, "_together") != synced(speed, "_together")
     freeze_together([laser])
     assert len(laser._group) == 1
     del other
@@ -80,8 +80,8 @@ def test_the_widgets_of_a_feed_and_of_a_recording_are_one_group() -> None:
     player = open_recording(SAMPLE).show(scanogram=False)
     with feeds.simulator() as feed:
         view = feed.show("/scan", "/odom")
-        groups = [{widget._together for widget in view.widgets.values()}]
-        groups.append({shown.widget._together for shown in player.views})
+        groups = [{synced(widget, "_together") for widget in view.widgets.values()}]
+        groups.append({synced(shown.widget, "_together") for shown in player.views})
         assert [len(group) for group in groups] == [1, 1]
         assert "" not in groups[0] | groups[1]
         view.close()
