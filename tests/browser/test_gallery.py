@@ -782,3 +782,54 @@ def test_a_moving_picture_of_a_program_edited_while_it_drives(notebook: Callable
     film.run(1)
     film.save("gallery-edit-while-driving")
     nb.python("robot.close()")
+
+
+THINKER = """
+from ipywidgets import HBox
+from robowidgets import LaserWidget, LinesWidget, feeds
+from robowidgets.behaviors import Drive
+from robowidgets.simulator import Robot, World
+robot = feeds.simulator(Robot(World.rooms(), pose=(-1.0, -2.2, 3.0), seed=1), wander=False, hz=20)
+laser, lines = LaserWidget(), LinesWidget(robot)
+robot.connect("/scan", laser)
+laser.layout.width, lines.layout.width = "300px", "700px"
+laser.layout.height = lines.layout.height = "320px"
+HBox([laser, lines])
+"""
+THINK = """\
+@robot.program(rate=20)
+def avoid(scan):
+    front = scan.distance("front")
+    left = scan.distance("left")
+    right = scan.distance("right")
+    if front < 0.8:
+        return Drive(0, 0.8 if left > right else -0.8)
+    return Drive(0.4)
+"""
+
+
+@pytest.mark.skipif(not PICTURES, reason="takes a minute: only for `make pictures`")
+def test_a_moving_picture_of_the_lines_of_a_program(notebook: Callable[..., Notebook]) -> None:
+    nb = notebook([THINKER, THINK], run=False, scale=1, width=1300, height=1000)
+    nb.run(0)
+    nb.resize(1100, height=1000)
+    nb.run(1)
+    nb.output(0).evaluate("(output) => output.scrollIntoView()")
+    lines = nb.widget(0).locator(".rw-lines")
+    test, read = (lines.locator(".rw-line", has_text=text) for text in ("if front < 0.8", "front = scan"))
+    expect(test).to_be_visible()
+    left, right = (nb.widget(0).locator(f".rw-{one}").bounding_box() for one in ("laser", "lines"))
+    assert left
+    assert right
+    width = right["x"] + right["width"] - left["x"]
+    film = MovingPicture(
+        nb.page, FloatRect(x=left["x"] - 4, y=left["y"] - 4, width=width + 8, height=left["height"] + 8)
+    )
+    film.run(3)
+    film.run(5, until=lambda: "True" in test.inner_text())
+    row = read.bounding_box()
+    assert row
+    film.move(row["x"] + 180, row["y"] + row["height"] / 2)
+    film.run(4)
+    film.save("gallery-lines")
+    nb.python("robot.close()")
