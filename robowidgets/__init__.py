@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -182,7 +183,7 @@ _MODULES = {
     **{name: f".{name}" for name in ("feeds", "fleet", "lessons", "rooms", "simulator")},
     "conditions": ".recordings.search.conditions",
 }
-"""Public modules, which are imported at the first use, too."""
+"""Public modules that `dir` lists. Other modules are imported at the first use, too."""
 
 shorten_tracebacks()
 
@@ -198,6 +199,8 @@ def __getattr__(name: str) -> Any:
         from .shapes import Arrow
 
         return renamed(__name__, name, {name: Arrow})
+    if not name.startswith("_") and find_spec(f"{__name__}.{name}"):
+        return import_module(f".{name}", __name__)
     from difflib import get_close_matches  # Imported lazily: few names are wrong.
 
     lower = {known.lower(): known for known in __all__}
