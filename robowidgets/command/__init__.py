@@ -15,6 +15,7 @@ import robowidgets
 from .. import fleet
 from ..files.remote import is_url, named, pass_secrets
 from . import _lab, _lessons, _notebooks
+from ._cut import add_cut, cut
 from ._error import CommandError
 from ._export import add_export, export
 from ._find import INTERRUPTED, add_find, add_topics, find, readable
@@ -27,7 +28,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         0 on success. On a failure, 1, or 2 for the commands below, after one line on stderr with the reason. ``find``
         is like grep: 1 if nothing was found, 2 on a failure. ``doctor`` is like diff: 1 if it found problems, 2 on a
-        failure. ``index``, ``repair`` and ``export`` return 2 on a failure. Invalid arguments exit with 2.
+        failure. ``index``, ``repair``, ``cut`` and ``export`` return 2 on a failure. Invalid arguments exit with 2.
     """
     if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
         # On Windows, the encoding of a file, as in `> class.txt`, lacks some characters.
@@ -113,6 +114,10 @@ def _write_repaired(arguments: argparse.Namespace) -> None:
 
     for line in repair(arguments.file, arguments.output, force=arguments.force):
         _say(line)
+
+
+def _write_cut(arguments: argparse.Namespace) -> None:
+    _say(cut(arguments))
 
 
 def _write_page(arguments: argparse.Namespace) -> None:
@@ -242,6 +247,16 @@ def _parser() -> argparse.ArgumentParser:
     mend.add_argument("--force", action="store_true", help="replace an existing file")
     mend.set_defaults(do=_write_repaired, failed=2)
 
+    part = commands.add_parser(
+        "cut",
+        help="write a part of a recording as an MCAP file",
+        description="Write a part of a recording as an MCAP file: all topics, unchanged, after fixed transforms and "
+        "latched messages. To write what was found, see find --cut.",
+        epilog="Exits with 0 if the file was written, 2 on a failure.",
+    )
+    add_cut(part)
+    part.set_defaults(do=_write_cut, failed=2)
+
     page = commands.add_parser(
         "export",
         help="write a recording as a page that plays anywhere",
@@ -261,7 +276,7 @@ def _parser() -> argparse.ArgumentParser:
     assistants.set_defaults(do=_serve_assistants, failed=2)
 
     of_file = "a .bag, .db3, .mcap, a rosbag2 folder, a CARMEN log (.log, .clf, gzipped too), or its URL"
-    for command in (show, mend, page):
+    for command in (show, mend, part, page):
         command.add_argument("file", type=_file, metavar="FILE", help=of_file)
     for command in (info, spans, doctor, seconds):
         command.add_argument(

@@ -21,10 +21,12 @@ from ..recordings.search.base import Condition
 from ..recordings.search.comparison import compared
 from ..recordings.search.spans import Spans
 from ..recordings.topics import UnnamedTopicError
+from ..runtime.text import many
 from ..samples.checks import DEGREES, OF_DEGREES
 from ..samples.sector import ALL_ROUND, SECTORS, SectorLike, to_sector
 from ..speed.row import SPEED
 from ..touch.row import TOUCH
+from ._cut import in_options
 from ._error import CommandError
 
 FOUND, NONE, INTERRUPTED = 0, 1, 130
@@ -122,6 +124,11 @@ def add_find(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="print a list of spans as JSON, times in seconds; for several recordings, a line for each span",
     )
+    parser.add_argument("--cut", metavar="FOLDER", help="also write each span as an MCAP file into this folder")
+    parser.add_argument(
+        "--around", type=float, metavar="SECONDS", help="write so much before and after each span (default: 2)"
+    )
+    parser.add_argument("--force", action="store_true", help="replace existing files in the folder of --cut")
 
 
 def add_topics(parser: Any) -> None:
@@ -235,8 +242,10 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
         CommandError: the condition is invalid.
         RecordingError: the recording cannot be read, or does not have the topic.
     """
+    if not arguments.cut and (arguments.around is not None or arguments.force):
+        raise CommandError("find: --around and --force need --cut, which is missing")
     file = None if fleet.is_index(arguments.files) else fleet.the_only(arguments.files)
-    if file is None or arguments.topics:
+    if file is None or arguments.topics or arguments.cut:
         return _find_in_many(arguments, warn)
     with robowidgets.open(file) as recording:
         try:
@@ -274,12 +283,25 @@ def _find_in_many(arguments: argparse.Namespace, warn: Callable[[str], None]) ->
     if len(hits.unread) == len(hits.files):
         raise CommandError("none of these recordings could be searched")
     code = (FOUND if hits else NONE) if hits.is_complete else INTERRUPTED
+    if arguments.cut and hits:
+        _cut(hits, arguments, warn)
     if arguments.json:
         return hits.to_json(), code
     heads = _heads(arguments)
     rows = ([hit.file, hit.topic, *(_text(hit, head) for head in heads)] for hit in hits)
     stopped = [] if hits.is_complete else [f"# stopped after {hits.until} of {len(hits.files)} files"]
     return "\n".join(["# " + "\t".join(["file", "topic", *heads]), *map("\t".join, rows), *stopped]), code
+
+
+def _cut(hits: fleet.Hits, arguments: argparse.Namespace, warn: Callable[[str], None]) -> None:
+    try:
+        around = 2.0 if arguments.around is None else arguments.around
+        written = hits.to_mcap(arguments.cut, around=around, overwrite=arguments.force)
+    except ValueError as error:
+        raise CommandError(f"find: --{error}") from None
+    except FileExistsError as error:
+        raise FileExistsError(in_options(str(error))) from None
+    warn(f"Wrote {many(len(written), 'file')} into {arguments.cut}")
 
 
 def _in_options(error: str) -> str:

@@ -24,7 +24,7 @@ from ..samples.staleness import PARTS_PAUSE
 from . import _rosbags
 from ._chain import Chain
 from ._fallback import FallbackSource
-from ._plain import in_ros
+from ._plain import in_ros as in_ros
 
 _OPENERS = {
     b"#ROSBAG V2.0\n": _rosbags.open_bag,
@@ -54,11 +54,6 @@ def open_source(path: Path) -> Source:
         return _open(path.parent if path.name == METADATA else path)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from None
-
-
-def open_as_ros(path: Path) -> Source:
-    """Return the same source, with messages in JSON and protobuf as messages of ROS 2. Raises as `open_source`."""
-    return in_ros(open_source(path))
 
 
 def _open(path: Path) -> Source:

@@ -15,6 +15,7 @@ from weakref import finalize
 
 from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
 from rosbags.rosbag1 import Reader as BagReader
+from rosbags.rosbag2.metadata import dump_qos_v8
 from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
@@ -161,7 +162,15 @@ def _channel(connection: Connection) -> Channel:
         definition=_text(connection.msgdef, connection.msgtype),
         count=connection.msgcount,
         callers=(caller,) if (caller := getattr(connection.ext, "callerid", None)) else (),
+        metadata=_metadata(connection.ext),
     )
+
+
+def _metadata(ext: Any) -> tuple[tuple[str, str], ...]:
+    """Return `Channel.metadata` from what rosbags has of a connection."""
+    if profiles := getattr(ext, "offered_qos_profiles", None):
+        return (("offered_qos_profiles", dump_qos_v8(profiles)),)
+    return (("latching", "1"),) if getattr(ext, "latching", None) == 1 else ()
 
 
 def _text(definition: MessageDefinition, type_name: str) -> str:

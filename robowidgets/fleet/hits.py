@@ -155,6 +155,29 @@ class Hits(FleetTable, Sequence[Hit]):
         finally:
             sheet.close()
 
+    def to_mcap(self, folder: str | os.PathLike[str], *, around: float = 2.0, overwrite: bool = False) -> list[Path]:
+        """Write each hit as an MCAP file, as `TimeSlice.to_mcap` does, named by its recording and its start.
+
+        Args:
+            folder: the folder, which is made if it is missing.
+            around: the number of seconds before and after each hit.
+            overwrite: True to replace existing files.
+
+        Returns:
+            The paths of the files, in the order of the hits.
+
+        Raises:
+            FileExistsError: a file exists; nothing is written then. ValueError: nothing was found. TypeError:
+                ``around`` is not a number. OSError, RecordingError: a file cannot be written, or a recording cannot be
+                read any more.
+
+        Example:
+            >>> hits.to_mcap("cuts/", around=5)  # doctest: +SKIP
+        """
+        from ._to_mcap import write  # Imported lazily: a search needs no mcap.
+
+        return write(self, folder, around, overwrite)
+
     def _sheet(self, **options: Any) -> Sheet:
         from ._sheet import Sheet  # Imported lazily: a search needs no widget.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from base64 import b64decode
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -14,6 +16,7 @@ class Channel(NamedTuple):
     ``definition`` is the text of the message definition: in ROS's ``.msg`` syntax, with its dependencies after lines of
     80 ``=``, or in IDL, after such a line and ``IDL: `` with the type. It is empty if the file has none. ``count`` is
     the number of messages. ``callers`` are the names of the nodes that published them, if the file has any.
+    ``metadata`` are names and values as an MCAP file has them: ``offered_qos_profiles`` in YAML, or ``latching``.
     """
 
     id: int
@@ -23,6 +26,15 @@ class Channel(NamedTuple):
     definition: str
     count: int  # type: ignore[assignment]  # hides tuple.count, which a channel does not need
     callers: tuple[str, ...] = ()
+    metadata: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def is_latched(self) -> bool:
+        """True if a node that subscribes later gets the last message too: latched, or with transient local QoS."""
+        about = dict(self.metadata)
+        return (
+            about.get("latching") == "1" or _TRANSIENT_LOCAL.search(about.get("offered_qos_profiles", "")) is not None
+        )
 
 
 def merged(files: Iterable[Iterable[Channel]]) -> tuple[tuple[Channel, ...], list[dict[int, int]]]:
@@ -35,16 +47,19 @@ def merged(files: Iterable[Iterable[Channel]]) -> tuple[tuple[Channel, ...], lis
     for channels in files:
         ids.append({})
         for channel in channels:
-            same = channel._replace(id=0, count=0, callers=())
+            same = channel._replace(id=0, count=0, callers=(), metadata=())
             one = found.get(same) or same._replace(id=len(found))
             callers = tuple(dict.fromkeys((*one.callers, *channel.callers)))
-            found[same] = one._replace(count=one.count + channel.count, callers=callers)
+            metadata = tuple({**dict(one.metadata), **dict(channel.metadata)}.items())
+            found[same] = one._replace(count=one.count + channel.count, callers=callers, metadata=metadata)
             ids[-1][channel.id] = one.id
     return tuple(found.values()), ids
 
 
 _MESSAGE = ("ros1msg", "ros2msg")
 _IDL = ("ros2idl", "omgidl")
+_OTHERS = ("protobuf", "jsonschema")
+_TRANSIENT_LOCAL = re.compile(r"durability:\s*(1\b|transient_local)")
 _LINE = "=" * 80
 
 
@@ -62,9 +77,22 @@ def definition_text(encoding: str, type_name: str, text: str) -> str:
     text = text.replace("\r\n", "\n")
     if encoding in _IDL and text and not text.startswith(_LINE):
         return f"{_LINE}\nIDL: {type_name}\n{text}"
-    return text if encoding in _MESSAGE or encoding in _IDL or encoding == "protobuf" else ""
+    return text if encoding in (*_MESSAGE, *_IDL, *_OTHERS) else ""
 
 
 def is_idl(definition: str) -> bool:
     """Return True if the definition of a `Channel` is in IDL."""
     return definition.startswith(f"{_LINE}\nIDL: ")
+
+
+def schema_of(channel: Channel, definition: str) -> tuple[str, str, bytes]:
+    """Return name, encoding and data of the schema that an MCAP file has for a channel with this definition."""
+    if not definition.strip():
+        return channel.type, "", b""
+    if channel.encoding == "ros1":
+        return channel.type.replace("/msg/", "/"), "ros1msg", definition.encode()
+    if channel.encoding == "protobuf":
+        return channel.type, "protobuf", b64decode(definition)
+    if channel.encoding == "json" and definition.lstrip().startswith("{"):
+        return channel.type, "jsonschema", definition.encode()
+    return channel.type, "ros2idl" if is_idl(definition) else "ros2msg", definition.encode()

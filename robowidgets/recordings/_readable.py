@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Protocol
 
+from ..repair import Source
 from .columns._fields import Fields
 from .columns.scans import Scans
 from .columns.speeds import Speeds
@@ -20,6 +21,10 @@ class ReadableRecording(Protocol):
     @property
     def path(self) -> Path:
         """The file or the folder."""
+
+    @property
+    def source(self) -> Source:
+        """The messages as the file has them."""
 
     @property
     def start_ns(self) -> int | None:

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ..files import open_as_ros
+from ..files import in_ros, open_source
 from ..files.remote import fetch, held, is_url
 from ..kinds import KINDS, add_installed, kind_of_class
 from ..poses.places import WITHIN, Places, to_place
-from ..repair import RecordingError
+from ..repair import RecordingError, Source
 from ..runtime.tables import Table
 from ..runtime.text import megabytes
 from ..samples import Mount, Problem, Scan, Speed, Touch
@@ -78,7 +78,8 @@ class RecordingData:
         self._file = fetch(path) if is_url(path) else held(Path(os.fsdecode(path)).expanduser())
         self._path, self._url = self._file.path, self._file.url
         try:
-            self._messages = Messages(open_as_ros(self._path))
+            self._source = open_source(self._path)
+            self._messages = Messages(in_ros(self._source))
         except BaseException:
             self._file.close()
             raise
@@ -104,6 +105,16 @@ class RecordingData:
         It has no password, signature or token. While this process runs, it opens the same recording as the full URL.
         """
         return self._url
+
+    @property
+    def source(self) -> Source:
+        """The messages as the file has them: bytes, on all channels.
+
+        Raises:
+            RecordingError: the recording is closed.
+        """
+        self._check_open()
+        return self._source
 
     @property
     def topics(self) -> tuple[Topic, ...]:

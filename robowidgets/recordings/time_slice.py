@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 from ..samples.time_span import time_span
@@ -11,6 +13,7 @@ from .columns._fields import Fields
 from .columns.scans import Scans
 from .columns.speeds import Speeds
 from .columns.touches import Touches
+from .cut import cut
 from .events import Events
 from .span import Span
 from .times import span_ns
@@ -96,6 +99,30 @@ class TimeSlice:
     def fields(self, topic: str) -> Fields:
         """Return the messages of a topic of any type in the span as columns, as in `Recording.fields`."""
         return self._recording.fields(topic).between(self.start, self.end)
+
+    def to_mcap(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Write the slice as an MCAP file for any tool, with the messages of all topics unchanged.
+
+        Before them, at the start, come the messages that still hold there: /tf_static, and the last one of each latched
+        topic, map, robot description and program. The file appears once it is complete.
+
+        Args:
+            path: the file, such as ``"cut.mcap"``.
+            overwrite: True to replace an existing file.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            FileExistsError: the file exists. TypeError, ValueError: the path does not name an MCAP file, or the slice
+                has no message. OSError, RecordingError: the file cannot be written, or the recording is closed.
+
+        Examples:
+            >>> recording[2:5].to_mcap("cut.mcap")  # doctest: +SKIP
+        """
+        recording = self._recording
+        span = span_ns(recording.start_ns, self.start, self.end)
+        return cut(recording.source, recording.path, "to_mcap", path, span, overwrite)
 
     def __iter__(self) -> Iterator[Moment]:
         return self.samples()

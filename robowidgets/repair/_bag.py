@@ -150,6 +150,7 @@ class _Reader(RecordReader):
             definition=_text(fields.get("message_definition", b"")),
             count=0,
             callers=(_text(caller),) if (caller := fields.get("callerid")) else (),
+            metadata=(("latching", "1"),) if fields.get("latching") == b"1" else (),
         )
         self.by_id.setdefault(channel.id, channel)
 

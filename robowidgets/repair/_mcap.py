@@ -27,6 +27,7 @@ _MAX_COMPRESSION = 16
 _RECORD = re.compile(rb"(?=[\x01-\x0f].{4}\0{4})", re.DOTALL)
 _IN_A_ROW = 3
 _READ_AT_ONCE = 1 << 20
+_USED_METADATA = ("offered_qos_profiles", "latching")
 
 
 def walk_mcap(path: Path) -> Walk:
@@ -55,6 +56,7 @@ class _NamedChannel(NamedTuple):
     schema: int
     topic: str
     encoding: str
+    metadata: tuple[tuple[str, str], ...]
 
 
 class _Reader(RecordReader):
@@ -80,9 +82,10 @@ class _Reader(RecordReader):
     def channels(self) -> list[Channel]:
         """Return the channels with their schemas. A schema may lie anywhere in the file, even after its channel."""
         channels = []
-        for number, (schema_id, topic, encoding) in self.named.items():
+        for number, (schema_id, topic, encoding, metadata) in self.named.items():
             schema = self.schemas.get(schema_id, _Schema("", "", ""))
-            channels.append(Channel(number, topic, full_type(schema.name), encoding, schema.text, 0))
+            about = tuple((name, value) for name, value in metadata if name in _USED_METADATA)
+            channels.append(Channel(number, topic, full_type(schema.name), encoding, schema.text, 0, (), about))
         return channels
 
     def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
@@ -150,8 +153,9 @@ class _Reader(RecordReader):
                 self.schemas.setdefault(number, schema)
             else:
                 number, schema_id = struct.unpack_from("<HH", raw)
-                topic, encoding = _strings(raw[4:], 2)
-                self.named.setdefault(number, _NamedChannel(schema_id, topic, encoding))
+                names = _values(raw[4:], 2)
+                metadata = _pairs(raw[4 + sum(4 + len(one) for one in names) :])
+                self.named.setdefault(number, _NamedChannel(schema_id, _text(names[0]), _text(names[1]), metadata))
         except struct.error:
             damage.places += 1
 
@@ -199,7 +203,26 @@ def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
 
 def _strings(raw: bytes, count: int) -> list[str]:
     """Return the first strings of a record; raise struct.error if some are missing."""
-    return [value.decode("utf-8", errors="replace") for value in _values(raw, count)]
+    return [_text(value) for value in _values(raw, count)]
+
+
+def _text(raw: bytes) -> str:
+    return raw.decode("utf-8", errors="replace")
+
+
+def _pairs(raw: bytes) -> tuple[tuple[str, str], ...]:
+    """Return the names and values of a map, or none if it is damaged: messages can be read without it."""
+    size = int.from_bytes(raw[:4], "little")
+    pairs: list[tuple[str, str]] = []
+    pos, end = 4, 4 + size
+    while pos < end <= len(raw):
+        try:
+            name, value = values = _values(raw[pos:end], 2)
+        except struct.error:
+            return ()
+        pairs.append((_text(name), _text(value)))
+        pos += sum(4 + len(one) for one in values)
+    return tuple(pairs)
 
 
 def _values(raw: bytes, count: int) -> list[bytes]:

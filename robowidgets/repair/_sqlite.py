@@ -205,10 +205,15 @@ def _channels(connection: sqlite3.Connection, damage: Damage) -> list[Channel]:
             name: definition_text(encoding, name, text) for name, encoding, text in (map(str, row) for row in rows)
         }
     channels = []
+    profiles = {}
+    with suppress(sqlite3.DatabaseError):  # the column does not exist before ROS 2 Foxy; messages are read without it
+        profiles = dict(connection.execute("SELECT id, offered_qos_profiles FROM topics"))
     try:
         for number, *texts in connection.execute("SELECT id, name, type, serialization_format FROM topics"):
             topic, name, encoding = map(str, texts)
-            channels.append(Channel(int(number), topic, name, encoding, definitions.get(name, ""), 0))
+            qos = profiles.get(number)
+            about = (("offered_qos_profiles", str(qos)),) if qos else ()
+            channels.append(Channel(int(number), topic, name, encoding, definitions.get(name, ""), 0, (), about))
     except (sqlite3.DatabaseError, ValueError, TypeError):
         damage.places += 1
     return channels

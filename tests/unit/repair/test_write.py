@@ -138,9 +138,9 @@ class TestTheFile:
         self, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
         path = tmp_path / "drive.mcap"
-        path.write_bytes(MCAP_MAGIC + mcap_head("json", "jsonschema") + mcap_messages(messages()) + MCAP_END)
+        path.write_bytes(MCAP_MAGIC + mcap_head("flatbuffer", "flatbuffer") + mcap_messages(messages()) + MCAP_END)
         output = repair(path)
-        assert "! /scan: its messages, encoded as 'json', have no definition now" in capsys.readouterr().out
+        assert "! /scan: its messages, encoded as 'flatbuffer', have no definition now" in capsys.readouterr().out
         assert read(open_repaired([output])) == messages()
         assert self.profile(output) == ""
 
