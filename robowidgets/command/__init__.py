@@ -18,7 +18,8 @@ from . import _lab, _lessons, _notebooks
 from ._cut import add_cut, cut
 from ._error import CommandError
 from ._export import add_export, export
-from ._find import INTERRUPTED, add_find, add_topics, find, readable
+from ._find import INTERRUPTED, add_conditions, add_find, find, readable
+from ._follow import add_follow, check_unused, follow
 from ._mcp import add_mcp, serve
 
 
@@ -101,6 +102,9 @@ def _print_report(arguments: argparse.Namespace) -> int:
 
 
 def _write_index(arguments: argparse.Namespace) -> int:
+    if arguments.follow:
+        return follow(arguments, _say, _warn)
+    check_unused(arguments)
     try:
         _say(str(fleet.index(*arguments.files, output=arguments.output, topics=arguments.topics)))
     except (ImportError, ValueError) as error:
@@ -225,10 +229,12 @@ def _parser() -> argparse.ArgumentParser:
         "index",
         help="write an index of many recordings, second by second, for fast searches",
         description="Summarize each second of recordings in a Parquet file, for fast searches with find and SQL.",
-        epilog="Recordings in an earlier index with this name are read again only if they changed.",
+        epilog="Recordings in an earlier index with this name are read again only if they changed. With --follow it "
+        "exits with 0 if something was found, 1 if nothing was found.",
     )
     seconds.add_argument("-o", "--output", required=True, metavar="OUT.parquet", help="the file to write")
-    add_topics(seconds)
+    add_conditions(seconds)
+    add_follow(seconds)
     seconds.set_defaults(do=_write_index, failed=2)
 
     mend = commands.add_parser(

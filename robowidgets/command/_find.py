@@ -69,6 +69,21 @@ _WITH_OR_WITHOUT: dict[str, Any] = {"nargs": "?", "const": "", "action": "append
 
 def add_find(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``robowidgets find``, except its file."""
+    add_conditions(parser)
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print a list of spans as JSON, times in seconds; for several recordings, a line for each span",
+    )
+    parser.add_argument("--cut", metavar="FOLDER", help="also write each span as an MCAP file into this folder")
+    parser.add_argument(
+        "--around", type=float, metavar="SECONDS", help="write so much before and after each span (default: 2)"
+    )
+    parser.add_argument("--force", action="store_true", help="replace existing files in the folder of --cut")
+
+
+def add_conditions(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of a condition, and of the topics that it reads."""
     asked = parser.add_argument_group("conditions (all must hold)")
     asked.add_argument(
         "--touched",
@@ -119,16 +134,6 @@ def add_find(parser: argparse.ArgumentParser) -> None:
         "--silent", metavar="TOPIC", help="the topic with a gap (default: any of scans, measured speeds or sonars)"
     )
     add_topics(how)
-    parser.add_argument(
-        "--json",
-        action="store_true",
-        help="print a list of spans as JSON, times in seconds; for several recordings, a line for each span",
-    )
-    parser.add_argument("--cut", metavar="FOLDER", help="also write each span as an MCAP file into this folder")
-    parser.add_argument(
-        "--around", type=float, metavar="SECONDS", help="write so much before and after each span (default: 2)"
-    )
-    parser.add_argument("--force", action="store_true", help="replace existing files in the folder of --cut")
 
 
 def add_topics(parser: Any) -> None:
@@ -212,6 +217,12 @@ def condition(arguments: argparse.Namespace) -> Condition:
     return reduce(or_ if arguments.any else and_, asked)
 
 
+def condition_options(arguments: argparse.Namespace) -> list[str]:
+    """Return the options of conditions that were given."""
+    names = (*_LOOKS_AT, "gap", "field", "event", "label", "any", *_USED_BY)
+    return [f"--{name.replace('_', '-')}" for name in names if getattr(arguments, name) not in (None, [], False)]
+
+
 def _compared(words: str) -> Condition:
     try:
         return compared(words)
@@ -262,7 +273,7 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
     code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED
     if arguments.json:
         return _spans_as_json(spans), code
-    return _spans_as_text(spans, _heads(arguments)), code
+    return _spans_as_text(spans, heads_of(arguments)), code
 
 
 def _find_in_many(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[str, int]:
@@ -287,10 +298,11 @@ def _find_in_many(arguments: argparse.Namespace, warn: Callable[[str], None]) ->
         _cut(hits, arguments, warn)
     if arguments.json:
         return hits.to_json(), code
-    heads = _heads(arguments)
-    rows = ([hit.file, hit.topic, *(_text(hit, head) for head in heads)] for hit in hits)
+    heads = heads_of(arguments)
     stopped = [] if hits.is_complete else [f"# stopped after {hits.until} of {len(hits.files)} files"]
-    return "\n".join(["# " + "\t".join(["file", "topic", *heads]), *map("\t".join, rows), *stopped]), code
+    return "\n".join(
+        ["# " + "\t".join(["file", "topic", *heads]), *(line_of(hit, heads) for hit in hits), *stopped]
+    ), code
 
 
 def _cut(hits: fleet.Hits, arguments: argparse.Namespace, warn: Callable[[str], None]) -> None:
@@ -324,7 +336,7 @@ _COLUMNS: dict[str, Callable[[Any], str]] = {
 """The columns of a span by its attributes, with their formats; angles in degrees."""
 
 
-def _heads(arguments: argparse.Namespace) -> list[str]:
+def heads_of(arguments: argparse.Namespace) -> list[str]:
     """Return the columns that the conditions fill."""
     left_out = set()
     if arguments.nearest_below is None:
@@ -334,6 +346,11 @@ def _heads(arguments: argparse.Namespace) -> list[str]:
     if arguments.gap is None:
         left_out.add("silent")
     return [head for head in _COLUMNS if head not in left_out]
+
+
+def line_of(hit: fleet.Hit, heads: Iterable[str]) -> str:
+    """Return the line of a span in one of several recordings."""
+    return "\t".join([hit.file, hit.topic, *(_text(hit, head) for head in heads)])
 
 
 def _spans_as_text(spans: Spans, heads: list[str]) -> str:

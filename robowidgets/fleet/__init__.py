@@ -2,12 +2,14 @@
 
 from .check_up import CheckUp, doctor
 from .drives import Drives, drives, index, is_index
+from .following import EVERY, follow
 from .hits import Hit, Hits
 from .places import the_only
 from .search import find
 from .summary import Summary, summary
 
 __all__ = [
+    "EVERY",
     "CheckUp",
     "Drives",
     "Hit",
@@ -16,6 +18,7 @@ __all__ = [
     "doctor",
     "drives",
     "find",
+    "follow",
     "index",
     "is_index",
     "summary",

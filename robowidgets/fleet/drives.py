@@ -48,7 +48,7 @@ _COLUMNS: dict[str, RowType] = {
 """The columns with their types."""
 _ROWS = 100_000
 """Rows that are written at once: the size of a row group of the file."""
-_LATER = "not read before an interrupt: the same call continues"
+LATER = "not read before an interrupt: the same call continues"
 
 
 class Drives:
@@ -232,7 +232,7 @@ def index(
         rows = _Rows(schema, writer, _earlier(target, identity))
         gathered = gather(_Index(names), paths, rows, "Indexing", executor=executor, longest=longest)
         unread = {one.file: one.problem for one in gathered.rows["unread"]}
-        later = {file: _LATER for file in gathered.rows["files"] if file not in gathered.results}
+        later = {file: LATER for file in gathered.rows["files"] if file not in gathered.results}
         rows.finish({**later, **unread})
     return Drives(target)
 

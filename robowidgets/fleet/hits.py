@@ -85,12 +85,14 @@ class Hits(FleetTable, Sequence[Hit]):
     @overload
     def __getitem__(self, which: slice) -> Hits: ...
     def __getitem__(self, which: int | slice) -> Hit | Hits:
-        if not isinstance(which, slice):
-            return self._hits[which]
+        return self.only(self._hits[which]) if isinstance(which, slice) else self._hits[which]
+
+    def only(self, hits: Sequence[Hit]) -> Hits:
+        """Return the same results with only some of the hits."""
         rows: dict[str, Any] = {"files": self.files, "unread": self.unread, "until": self.until, "note": self._note}
         return Hits(
             self.condition if self._wanted is None else self._wanted,
-            self._hits[which],
+            hits,
             chosen=self.chosen,
             problems=self.problems,
             told=self._how,

@@ -6,7 +6,7 @@ whatever lengths it claims. `Source.problems` lists the repairs; `write.write` w
 
 from ._carmen import is_carmen
 from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined, may_precede_clock
-from ._open import SUFFIX, find_files, is_being_written, natural, open_repaired
+from ._open import SUFFIX, find_files, is_being_written, is_finished, natural, open_repaired
 from ._sqlite import files_beside, is_cut
 from .source import Message, RecordingError, Source
 
@@ -26,6 +26,7 @@ __all__ = [
     "is_being_written",
     "is_carmen",
     "is_cut",
+    "is_finished",
     "joined",
     "may_precede_clock",
     "natural",

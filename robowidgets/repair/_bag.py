@@ -49,6 +49,12 @@ def walk_bag(path: Path) -> Walk:
     return _Reader(path).walk()
 
 
+def index_in(head: bytes) -> int:
+    """Return the place of the index by the first bytes of a bag, or 0 if its recorder has not written it yet."""
+    _, found, after = head[:HEAD].partition(b"index_pos=")
+    return _uint(after[:8]) if found and len(after) >= 8 else 0
+
+
 class _Reader(RecordReader):
     """One walk through a bag."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import signal
 from collections.abc import Callable, Sequence
@@ -77,6 +78,28 @@ def is_being_written(path: Path) -> bool:
         except OSError as error:  # other errors mean a file of another user, or a disk without leases
             return error.errno == EAGAIN
     return False
+
+
+def is_finished(path: Path) -> bool:
+    """Return True if a file has the end that its recorder writes last, and no program is known to write to it.
+
+    A file that was compressed as a whole, and a CARMEN log, have no such end.
+
+    Raises:
+        OSError: the file cannot be read.
+    """
+    size = path.stat().st_size
+    if not size or is_being_written(path) or _sqlite.files_beside(path) or path.suffix == ".active":
+        return False
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+        file.seek(-min(size, len(_mcap.MAGIC)), os.SEEK_END)
+        tail = file.read()
+    if head.startswith(_mcap.MAGIC):
+        return size > len(_mcap.MAGIC) and tail == _mcap.MAGIC
+    if head.startswith(_bag.MAGIC):
+        return 0 < _bag.index_in(head) < size
+    return not (head.startswith(_sqlite.MAGIC) and _sqlite.is_cut(path))
 
 
 def _attempt(path: Path) -> Walk | str:
