@@ -176,15 +176,18 @@ class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
 
     def _read_labels(self, _change: Any = None) -> None:
         """Show the current labels of hits, which are stored next to their recordings."""
-        of_folder: dict[Path, dict[str, list[LabelledSpan]]] = {}
+        of_folder: dict[Path, LabelFile] = {}
+        of_file: dict[Path, list[LabelledSpan]] = {}
         labels = {}
         for number, hit in enumerate(self._hits):
             if is_url(hit.file):
                 continue
             path = Path(hit.file)
             if path.parent not in of_folder:
-                of_folder[path.parent], _ = LabelFile(path.parent).read()
-            label = _label_of(hit, of_folder[path.parent].get(path.name, ()))
+                of_folder[path.parent] = LabelFile(path.parent)
+            if path not in of_file:
+                of_file[path] = of_folder[path.parent].of(path)
+            label = _label_of(hit, of_file[path])
             if label:
                 labels[str(number)] = label.label
         self.widget.labels = labels

@@ -497,11 +497,11 @@ class RecordingData:
     @property
     def labels(self) -> tuple[Label, ...]:
         """The named spans, set with `label` or on a contact sheet: label, start and end in seconds."""
-        found, problems = LabelFile(self.path.parent).read()
+        file = LabelFile(self.path.parent)
         self._label_problems = [
-            Problem(line, "the other labels are read; correct the line, or delete it") for line in problems
+            Problem(line, "the other labels are read; correct the line, or delete it") for line in file.problems
         ]
-        return tuple(with_clock(one, self.start_ns or 0) for one in found.get(self.path.name, ()))
+        return tuple(with_clock(one, self.start_ns or 0) for one in file.of(self.path, self._source))
 
     def label(self, name: str, start: float, end: float) -> Label:
         """Give a span a name. It is stored in ``labels.jsonl`` next to the recording, one line of JSON for each.
@@ -517,7 +517,7 @@ class RecordingData:
         """
         span = labelled_span(name, start, end)
         with self._writing_labels("saved") as file:
-            file.add(self.path.name, span)
+            file.add(self.path, self._source, span)
         return with_clock(span, self.start_ns or 0)
 
     def remove_label(self, label: Label) -> None:
@@ -532,7 +532,7 @@ class RecordingData:
         if label not in self.labels:
             raise ValueError(f"label: {self.path.name} has no {label!r}")
         with self._writing_labels("removed") as file:
-            file.remove(self.path.name, LabelledSpan(*label[:3]))
+            file.remove(self.path, self._source, LabelledSpan(*label[:3]))
 
     @contextmanager
     def _writing_labels(self, done: str) -> Iterator[LabelFile]:

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
+from collections.abc import Mapping
+from contextlib import closing, nullcontext
+from hashlib import sha256
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..files import open_source
+from ..repair import RecordingError, Source, find_files
+from ..runtime.text import many
 from ..samples.time_span import time_span
 
 FILE = "labels.jsonl"
@@ -19,7 +27,10 @@ SHORTEST = 1e-3
 LONGEST = 1e9
 """The latest time of a label in seconds from the start of a recording: a later time has no nanoseconds by its clock."""
 
-_REMOVED = "removed"
+_REMOVED, _CONTENT, _SIZE = "removed", "content", "size"
+
+_FIRST = 20
+"""The messages at the start of a recording by which it is recognized: a recording that grows stays the same."""
 
 
 class LabelledSpan(NamedTuple):
@@ -54,8 +65,21 @@ def with_clock(span: LabelledSpan, start_ns: int) -> Label:
     return Label(*span, start_ns + round(span.start * 1e9), start_ns + round(span.end * 1e9))
 
 
+class _Line(NamedTuple):
+    """A line of the file: a label of a recording, its name, its content and its size, if the line has these."""
+
+    file: str
+    label: LabelledSpan
+    is_removed: bool
+    content: str
+    size: int | None
+
+
 class LabelFile:
     """The labels of the recordings in a folder. A damaged or useless line stays in the file, and is reported.
+
+    A label belongs to a recording by its name. If that name is gone, or has other content now, the label belongs to the
+    recording in the folder with the same content.
 
     Args:
         folder: the folder.
@@ -63,45 +87,127 @@ class LabelFile:
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / FILE
+        self._folder = folder
+        self._lines: list[_Line] = []
+        self._damaged: list[str] = []
+        self._contents: dict[Path, str] = {}
+        self._read()
 
-    def read(self) -> tuple[dict[str, list[LabelledSpan]], list[str]]:
-        """Return the labels of each recording by time, without duplicates, and lines on problems."""
-        found: dict[str, dict[LabelledSpan, None]] = {}
-        problems = []
+    @property
+    def problems(self) -> list[str]:
+        """Lines on damaged lines, and on labels of recordings that are gone."""
+        return [*self._damaged, *self._gone()]
+
+    def of(self, path: Path, source: Source | None = None) -> list[LabelledSpan]:
+        """Return the labels of a recording by time, without duplicates.
+
+        Args:
+            path: its file or folder.
+            source: its messages, or None to open it if they decide.
+        """
+        found: dict[LabelledSpan, None] = {}
+        for line in self._lines:
+            if self._is_of(line, path, source):
+                found.pop(line.label, None)
+                if not line.is_removed:
+                    found[line.label] = None
+        return sorted(found, key=lambda one: one.start)
+
+    def add(self, path: Path, source: Source, label: LabelledSpan) -> None:
+        """Add a label of a recording; raise OSError if the file cannot be written."""
+        self._write(path, source, label)
+
+    def remove(self, path: Path, source: Source, label: LabelledSpan) -> None:
+        """Remove a label of a recording; raise OSError if the file cannot be written."""
+        self._write(path, source, label, {_REMOVED: True})
+
+    def _read(self) -> None:
         try:
             lines = self.path.read_bytes().splitlines()
         except FileNotFoundError:
-            return {}, []
+            return
         except OSError as error:
-            return {}, [f"labels: {self.path.name} cannot be read: {error.strerror or error}"]
+            self._damaged.append(f"labels: {self.path.name} cannot be read: {error.strerror or error}")
+            return
         for number, line in enumerate(lines, start=1):
             if not line.strip():
                 continue
             try:
                 one = json.loads(line)
                 label = labelled_span(one["label"], one["start"], one["end"])
-                there = found.setdefault(str(one["file"]), {})
-                there.pop(label, None)
-                if not one.get(_REMOVED):
-                    there[label] = None
+                content, size = str(one.get(_CONTENT, "")), one.get(_SIZE)
+                size = size if isinstance(size, int) else None
+                self._lines.append(_Line(str(one["file"]), label, bool(one.get(_REMOVED)), content, size))
             except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
-                problems.append(f"labels: line {number} of {self.path.name} is not a label")
-        return {name: sorted(labels, key=lambda one: one.start) for name, labels in found.items()}, problems
+                self._damaged.append(f"labels: line {number} of {self.path.name} is not a label")
 
-    def add(self, file: str, label: LabelledSpan) -> None:
-        """Add a label of a recording; raise OSError if the file cannot be written."""
-        self._write({"file": file, **label._asdict()})
+    def _is_of(self, line: _Line, path: Path, source: Source | None) -> bool:
+        if line.file == path.name:
+            is_same = not line.content or line.size in (None, _size_of(path))
+            return is_same or line.content == self._content(path, source)
+        if not line.content or line.size != _size_of(path):
+            return False
+        is_there = line.size == _size_of(self._folder / line.file)
+        return not is_there and line.content == self._content(path, source)
 
-    def remove(self, file: str, label: LabelledSpan) -> None:
-        """Remove a label of a recording; raise OSError if the file cannot be written."""
-        self._write({"file": file, **label._asdict(), _REMOVED: True})
+    def _content(self, path: Path, source: Source | None) -> str:
+        """Return the content of a recording as short text, or an empty text if it cannot be read."""
+        if path not in self._contents:
+            try:
+                with nullcontext(source) if source else closing(open_source(path)) as opened:
+                    self._contents[path] = content_of(opened)
+            except RecordingError:
+                self._contents[path] = ""
+        return self._contents[path]
 
-    def _write(self, line: dict[str, Any]) -> None:
+    def _gone(self) -> list[str]:
+        """Return a line for each recording with labels that is not in the folder under any name."""
+        labels: dict[tuple[str, LabelledSpan], _Line] = {}
+        for line in self._lines:
+            key = line.content or line.file, line.label
+            labels.pop(key, None)
+            if not line.is_removed:
+                labels[key] = line
+        is_there = {file: (self._folder / file).exists() for file in {line.file for line in labels.values()}}
+        sizes = set() if all(is_there.values()) else {_size_of(path) for path in self._folder.iterdir()}
+        gone = Counter(
+            line.file
+            for line in labels.values()
+            if not is_there[line.file] and not (line.content and line.size in sizes)
+        )
+        return [
+            f"labels: {self.path.name} has {many(count, 'label')} of {file}, which is gone: give it its name back, or "
+            "remove the lines"
+            for file, count in gone.items()
+        ]
+
+    def _write(self, path: Path, source: Source, label: LabelledSpan, more: Mapping[str, Any] | None = None) -> None:
+        content = self._content(path, source)
+        known = {_SIZE: _size_of(path), _CONTENT: content} if content else {}
+        line = {"file": path.name, **label._asdict(), **known, **(more or {})}
         # One write at the end of the file: another program may write to it, too, or may have been interrupted within a
         # line.
         with self.path.open("ab", buffering=0) as file:
             # A name that is not UTF-8 is written with JSON escapes.
             file.write(f"\n{json.dumps(line, ensure_ascii=False)}\n".encode("utf-8", "backslashreplace"))
+
+
+def content_of(source: Source) -> str:
+    """Return a short text that is the same for recordings that begin with the same messages, or empty without any."""
+    digest = sha256()
+    count = 0
+    for channel, time_ns, data in islice(source.messages(source.channels), _FIRST):
+        digest.update(f"{channel.topic} {time_ns} {len(data)} ".encode() + bytes(data))
+        count += 1
+    return digest.hexdigest()[:16] if count else ""
+
+
+def _size_of(path: Path) -> int | None:
+    """Return the bytes of a recording, or None without one."""
+    try:
+        return sum(file.stat().st_size for file in (find_files(path) if path.is_dir() else [path]))
+    except OSError:
+        return None
 
 
 def to_name(value: Any) -> str:

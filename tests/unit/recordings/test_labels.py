@@ -14,7 +14,7 @@ from robowidgets import RecordingError, conditions
 from robowidgets.fleet import find
 from robowidgets.recordings.labels import FILE
 
-from . import recorded
+from . import recorded, robot
 
 
 @pytest.fixture
@@ -145,3 +145,95 @@ def test_what_is_not_a_label_is_refused(drive: Path) -> None:
         (drive.parent / FILE).mkdir()
         with pytest.raises(RecordingError, match="the label cannot be saved"):
             recording.label("door", 1.0, 2.0)
+
+
+def labels_of(path: Path) -> list[tuple[str, float, float]]:
+    with robowidgets.open(path) as recording:
+        return [one[:3] for one in recording.labels]
+
+
+def complaints(path: Path) -> list[str]:
+    with robowidgets.open(path) as recording:
+        recording.labels  # noqa: B018  # they are read then
+        return [line for line in recording.problems if line.startswith("labels: ")]
+
+
+DOOR = ("door", 12.0, 14.5)
+
+
+@pytest.fixture
+def labelled(tmp_path: Path) -> Path:
+    """A recording with a label, and another one next to it."""
+    copy(robowidgets.SAMPLE, tmp_path / "drive.mcap")
+    robot.write(tmp_path / "other")
+    with robowidgets.open(tmp_path / "drive.mcap") as recording:
+        recording.label(*DOOR)
+    return tmp_path / "drive.mcap"
+
+
+def test_labels_follow_a_recording_that_is_renamed(labelled: Path) -> None:
+    renamed = labelled.rename(labelled.with_name("monday.mcap"))
+    assert labels_of(renamed) == [DOOR]
+    assert labels_of(labelled.parent / "other") == []
+    assert complaints(renamed) == complaints(labelled.parent / "other") == []
+    assert [Path(hit.file).name for hit in find(conditions.label("door"), labelled.parent)] == ["monday.mcap"]
+    hits = find(conditions.label("door"), renamed)
+    with robowidgets.open(renamed) as recording:
+        wall = recording.label("wall", 20.0, 21.0)
+        recording.remove_label(recording.labels[0])
+        assert recording.labels == (wall,)
+    again = renamed.rename(labelled.with_name("tuesday.mcap"))
+    assert labels_of(again) == [wall[:3]]
+    again.unlink()
+    assert ["1 label of monday.mcap" in line for line in complaints(labelled.parent / "other")] == [True]
+    assert len(hits) == 1
+
+
+def test_labels_follow_a_folder_that_is_renamed(tmp_path: Path) -> None:
+    with robowidgets.open(robot.write(tmp_path / "drive")) as recording:
+        recording.label("door", 1.0, 2.0)
+    (tmp_path / "drive").rename(tmp_path / "monday")
+    assert labels_of(tmp_path / "monday") == [("door", 1.0, 2.0)]
+
+
+def test_a_copy_has_no_labels_of_its_original_until_that_is_gone(labelled: Path) -> None:
+    twin = Path(copy(labelled, labelled.with_name("twin.mcap")))
+    assert (labels_of(labelled), labels_of(twin)) == ([DOOR], [])
+    labelled.unlink()
+    assert labels_of(twin) == [DOOR]
+
+
+def test_another_recording_under_the_old_name_does_not_get_the_labels(labelled: Path, tmp_path: Path) -> None:
+    renamed = labelled.rename(labelled.with_name("monday.mcap"))
+    (other,) = (tmp_path / "other").glob("*.mcap")
+    copy(other, labelled)
+    assert (labels_of(labelled), labels_of(renamed)) == ([], [DOOR])
+    assert complaints(labelled) == complaints(renamed) == []
+
+
+def test_a_recording_that_was_still_growing_keeps_its_labels(tmp_path: Path) -> None:
+    whole = robowidgets.SAMPLE.read_bytes()
+    path = tmp_path / "drive.mcap"
+    path.write_bytes(whole[: len(whole) * 3 // 4])
+    with robowidgets.open(path) as recording:
+        recording.label("door", 1.0, 2.0)
+    path.write_bytes(whole)
+    assert labels_of(path) == [("door", 1.0, 2.0)]
+
+
+def test_labels_of_a_recording_that_is_gone_are_reported_and_stay_in_the_file(labelled: Path) -> None:
+    file, other = labelled.with_name(FILE), labelled.parent / "other"
+    old = {"file": "older.bag", "label": "wall", "start": 1.0, "end": 2.0}
+    file.write_text(file.read_text() + json.dumps(old) + "\n")
+    assert complaints(other) == [
+        "labels: labels.jsonl has 1 label of older.bag, which is gone: give it its name back, or remove the lines"
+    ]
+    before = file.read_bytes()
+    labelled.unlink()
+    assert ["drive.mcap" in line for line in complaints(other)] == [True, False]
+    assert file.read_bytes() == before
+    file.write_text(
+        file.read_text()
+        + "".join(json.dumps({**json.loads(line), "removed": True}) + "\n" for line in before.splitlines() if line)
+    )
+    assert complaints(other) == []
