@@ -31,6 +31,7 @@ from ._fleet_table import Unread, not_read
 from ._gather import FromAll, gather, identity_or_none
 from ._kept import states_of
 from ._topics import chosen_of
+from .drive_table import DriveTable
 from .hits import Hits
 from .places import PathLike
 from .search import hits_of, search
@@ -173,6 +174,32 @@ class Drives:
         told = f"by the index {many(ruled_out, 'file')} had no such moment, and were not read" if ruled_out else ""
         found.rows.update(files=self.files, until=until and until + ruled_out, told=told)
         return hits_of(wanted, found)
+
+    def table(
+        self,
+        *names: str,
+        at: str | float | None = None,
+        how: str = "last",
+        executor: Any = None,
+        longest: float = LONGEST,
+    ) -> DriveTable:
+        """Return `Recording.table` of all these recordings, which is read while it is written or converted.
+
+        Args:
+            *names: as for `Recording.table`.
+            at: as for `Recording.table`.
+            how: as for `Recording.table`.
+            executor: as for `find`.
+            longest: as for `find`.
+
+        Raises:
+            TypeError, ValueError: as `Recording.table`.
+
+        Example:
+            >>> drives.table("/scan.front", "/odom.twist.twist.linear.x").to_parquet("speeds.parquet")
+            ... # doctest: +SKIP
+        """
+        return DriveTable(self.files, names, at, how, executor, longest)
 
     def __repr__(self) -> str:
         return self._table().to_text()

@@ -33,6 +33,7 @@ from .columns.series import Series
 from .columns.speeds import Speeds
 from .columns.touches import Touches
 from .events import Events, RecordedEvent, has_events
+from .field_table import FieldTable, field_table
 from .labels import Label, LabelFile, LabelledSpan, labelled_span, with_clock
 from .odometry import places_of
 from .program_log import PROGRAM, STATES, ProgramVersion, spans_of, version_of
@@ -399,6 +400,31 @@ class RecordingData:
         if topic not in self._fields:
             self._fields[topic] = self._messages.fields(topic, self._memory)
         return self._fields[topic]
+
+    def table(self, *names: str, at: str | float | None = None, how: str = "last") -> FieldTable:
+        """Return fields of topics with different rates as one table, with a row for each message of one topic.
+
+        Args:
+            *names: topics with fields, such as ``"/odom.twist.twist.linear.x"``, or messages in them, for a column of
+                each field. Scans also have ``"/scan.front"``, ``left``, ``back``, ``right`` and ``nearest``, in metres.
+            at: the topic whose messages have a row each, or the seconds between two rows, or None for the topic of the
+                first name.
+            how: the value between two messages of a field: ``"last"``, the last one before, or ``"linear"``,
+                interpolated, and unknown after the last one. Texts, flags and times are always the last ones.
+
+        Raises:
+            UnknownTopicError, UnknownFieldError: there is no such topic or field, or it cannot be read. TypeError: a
+                field has several values. ValueError: ``how`` or ``at`` is unknown. RecordingError: the recording is
+                closed, or the table would be larger than `memory`.
+
+        Examples:
+            >>> import robowidgets
+            >>> table = robowidgets.open(robowidgets.SAMPLE).table("/scan.front", "/odom.twist.twist.linear.x")
+            >>> table
+            FieldTable of /scan.front, /odom.twist.twist.linear.x: 581 rows, 0.00 to 58.00 s
+        """
+        self._check_open()
+        return field_table(self, names, at, how)
 
     def scans(self, topic: str | None = None) -> Scans:
         """Return the scans of a topic as columns: times, ranges (N, R), intensities, geometry.
