@@ -112,7 +112,7 @@ def _judged(recording: RecordingData, hit: Hit, wanted: Condition | None, second
     if wanted is None or hit.silent:
         return UNKNOWN
     try:
-        return wanted.judge(_At(recording, seconds))
+        return wanted.of_moment.judge(_At(recording, seconds))
     except NoSampleYetError:
         return UNKNOWN
     except Exception as error:  # from a user's function, which may need more than this moment

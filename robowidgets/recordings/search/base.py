@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,11 +15,12 @@ from ...kinds import KINDS, sample_names
 from ...messages.decoding import one_line
 from ...repair import RecordingError
 from ...samples import HasAge
+from ...samples.checks import number
 from ...samples.verdict import Trace, Verdict
 from ...widget.watch import Watch
 from ..topics import Topic, UnknownTopicError, UnnamedTopicError, check_known, shown
 from ._silence import mark_stale
-from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, steps
+from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
 from .instant import TIME, Instant, NoSampleYetError, Now, OneSample, TracedMoment, samples_of, together
 from .seconds import Possible, SecondRows
 
@@ -89,6 +91,71 @@ class Condition(ABC):
         Raises:
             TypeError: the condition needs more than one moment.
         """
+
+    @property
+    def of_moment(self) -> Condition:
+        """The condition on one moment, without its conditions over time, for pictures of a moment."""
+        return self
+
+    def for_longer(self, seconds: float) -> Condition:
+        """Return the condition that this one is true without a pause for longer than some seconds: the whole span.
+
+        `Recording.find` finds it, as the other conditions over time: a single moment does not decide.
+
+        Args:
+            seconds: the time, above 0.
+
+        Raises:
+            TypeError, ValueError: it is not a number above 0.
+
+        Examples:
+            >>> from robowidgets import conditions
+            >>> print(conditions.nearest_below(0.3).for_longer(2))
+            nearest below 0.3 m for longer than 2 s
+        """
+        return _ForLonger(self, _seconds("for_longer", seconds))
+
+    def within(self, seconds: float, after: Condition | Callable[..., Any]) -> Condition:
+        """Return the condition that this one is true while another one is, or at most some seconds after it.
+
+        Args:
+            seconds: the time, above 0.
+            after: the other condition.
+
+        Raises:
+            TypeError, ValueError: it is not a number above 0, or not a condition.
+
+        Examples:
+            >>> from robowidgets import conditions
+            >>> print(conditions.speed_above(0.1).within(1, after=conditions.touched()))
+            (linear.x above 0.1 m/s within 1 s after anything touched)
+        """
+        return _Within(self, _seconds("within", seconds), condition(after))
+
+    def count(self, times: int, within: float) -> Condition:
+        """Return the condition that this one is true in one of several spans that begin within some seconds.
+
+        Args:
+            times: the number of spans, 2 or more.
+            within: seconds from the start of the first of them to the start of the last.
+
+        Raises:
+            TypeError, ValueError: an argument is not such a number.
+
+        Examples:
+            >>> from robowidgets import conditions
+            >>> print(conditions.touched().count(3, within=10))
+            anything touched, 3 times within 10 s
+        """
+        if isinstance(times, bool) or not isinstance(times, int):
+            raise TypeError(f"times: expected a whole number, got {times!r}")
+        if times < 2:
+            raise ValueError(f"times: expected 2 or more, got {times!r}")
+        return _Counted(self, times, _seconds("within", within))
+
+    def first_of_drive(self) -> Condition:
+        """Return the condition that this one is true for the first time in its recording: its first span."""
+        return _First(self)
 
     def __and__(self, other: Any) -> Condition:
         return _Joined(" & ", np.min, self, other)
@@ -318,6 +385,10 @@ class _Joined(Condition):
         nearest = min((v.nearest for v in verdicts if v.nearest), key=lambda ray: ray.range, default=None)
         return Verdict(value, text, rays, nearest) if value else Verdict(value, text)
 
+    @property
+    def of_moment(self) -> Condition:
+        return _Joined(self._word, self._how, *(part.of_moment for part in self._parts))
+
     def number(self, recording: RecordingData) -> Curve | None:
         return next((one for part in self._parts if (one := part.number(recording))), None)
 
@@ -359,3 +430,134 @@ class _Not(Condition):
 
     def __str__(self) -> str:
         return f"~{self._part}"
+
+    @property
+    def of_moment(self) -> Condition:
+        return _Not(self._part.of_moment)
+
+
+class _OfSpans(Condition):
+    """The condition that another one is true in some of its spans.
+
+    Args:
+        part: the other condition.
+    """
+
+    def __init__(self, part: Condition) -> None:
+        self._part = part
+
+    @property
+    def of_moment(self) -> Condition:
+        return self._part.of_moment
+
+    @abstractmethod
+    def chosen(self, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return True for each span that counts, of its start and its end in nanoseconds, shape (N,) each."""
+
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        return self._part.topics(recording, asked)
+
+    def looked_at(self, search: Search) -> list[str]:
+        return self._part.looked_at(search)
+
+    def steps(self, search: Search) -> Steps:
+        part = self._part.steps(search)
+        found = np.array(spans(part, search.end_ns), np.int64).reshape(-1, 2)
+        if not len(found):
+            return part
+        is_chosen = self.chosen(found[:, 0], found[:, 1])
+        # Each true step lies in the last span that began.
+        place = np.searchsorted(found[:, 0], part.times, side="right") - 1
+        values = np.where((part.values == YES) & ~is_chosen[place], NO, part.values)
+        return Steps(part.times, values.astype(np.int8))
+
+    def possible(self, rows: SecondRows) -> Possible:
+        return Possible(self._part.possible(rows).true, np.ones(len(rows), bool))
+
+    def number(self, recording: RecordingData) -> Curve | None:
+        return self._part.number(recording)
+
+    def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
+        raise TypeError(f"{self}: one moment does not decide it, so only Recording.find finds it")
+
+    @property
+    def reads(self) -> frozenset[str]:
+        raise TypeError(f"{self}: one moment does not decide it, so only Recording.find finds it")
+
+
+class _ForLonger(_OfSpans):
+    def __init__(self, part: Condition, seconds: float) -> None:
+        super().__init__(part)
+        self._seconds = seconds
+
+    def chosen(self, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> NDArray[np.bool_]:
+        is_longer: NDArray[np.bool_] = ends - starts > self._seconds * 1e9
+        return is_longer
+
+    def __str__(self) -> str:
+        return f"{self._part} for longer than {self._seconds:g} s"
+
+
+class _Counted(_OfSpans):
+    def __init__(self, part: Condition, times: int, seconds: float) -> None:
+        super().__init__(part)
+        self._times, self._seconds = times, seconds
+
+    def chosen(self, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> NDArray[np.bool_]:  # noqa: ARG002
+        more = self._times - 1
+        begins = starts[more:] - starts[: max(len(starts) - more, 0)] <= self._seconds * 1e9
+        found = np.zeros(len(starts), bool)
+        for later in range(self._times):
+            found[later : later + len(begins)] |= begins
+        return found
+
+    def __str__(self) -> str:
+        return f"{self._part}, {self._times} times within {self._seconds:g} s"
+
+
+class _First(_OfSpans):
+    def chosen(self, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> NDArray[np.bool_]:  # noqa: ARG002
+        is_first = np.zeros(len(starts), bool)
+        is_first[:1] = True
+        return is_first
+
+    def __str__(self) -> str:
+        return f"{self._part} for the first time"
+
+
+class _Within(_OfSpans):
+    def __init__(self, part: Condition, seconds: float, after: Condition) -> None:
+        super().__init__(part)
+        self._seconds, self._after = seconds, after
+
+    def chosen(self, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> NDArray[np.bool_]:  # noqa: ARG002
+        return np.ones(len(starts), bool)
+
+    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
+        return [*self._part.topics(recording, asked), *self._after.topics(recording, asked)]
+
+    def looked_at(self, search: Search) -> list[str]:
+        return [*self._part.looked_at(search), *self._after.looked_at(search)]
+
+    def steps(self, search: Search) -> Steps:
+        part, after = self._part.steps(search), self._after.steps(search)
+        longer = round(self._seconds * 1e9)
+        edges: list[tuple[int, int]] = []
+        for start, end in spans(after, search.end_ns):
+            if edges and edges[-1][0] >= start:
+                edges.pop()
+            else:
+                edges.append((start, YES))
+            edges.append((end + longer, NO))
+        lasting = steps([search.recording.start_ns or 0, *(at for at, _ in edges)], [NO, *(one for _, one in edges)])
+        return combined([part, combined([after, lasting], np.max)], np.min)
+
+    def __str__(self) -> str:
+        return f"({self._part} within {self._seconds:g} s after {self._after})"
+
+
+def _seconds(name: str, given: Any) -> float:
+    seconds = number(name, given)
+    if not 0 < seconds < inf:
+        raise ValueError(f"{name}: expected seconds above 0, got {seconds!r}")
+    return seconds
