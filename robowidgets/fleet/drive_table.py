@@ -105,7 +105,7 @@ class DriveTable:
         if gathered.rows["until"] is not None:
             raise KeyboardInterrupt
         if sink.schema is None:
-            why = next(iter(not_read(self.unread)), "there is no recording")
+            why = next(iter(not_read(self.unread)), "the index is empty")
             raise RecordingError(f"none of {many(len(self.files), 'recording')} has {', '.join(self.names)}: {why}")
 
     def __repr__(self) -> str:

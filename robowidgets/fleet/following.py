@@ -116,7 +116,7 @@ def _follow(
 
 
 def _new(hits: Hits, reported: dict[str, set[tuple[str, int, int]]]) -> Hits:
-    """Return the results without those of an earlier look, when a recording was shorter, and note them."""
+    """Return the results that no earlier look found, when a recording was shorter, and note them."""
     found = []
     for hit in hits:
         before = reported.setdefault(hit.file, set())
@@ -144,7 +144,7 @@ class _Looks:
         """The recordings that are whole."""
 
     def look(self) -> tuple[list[str], list[str]]:
-        """Return the recordings that have become ready since `done`, and those of them that nobody searched before."""
+        """Return the recordings that have become ready since `done`, and the part of them that was never searched."""
         now = self.clock.now()
         places = [place for text in self._paths for place in _places(text)]
         states = states_of(dict.fromkeys(places))

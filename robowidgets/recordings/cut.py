@@ -63,7 +63,7 @@ def write_cut(source: Source, recording: Path, target: Path, start_ns: int | Non
         stop_ns: the end, or None to include its last message.
 
     Raises:
-        ValueError: there is no message in the span. RecordingError: the file cannot be written.
+        ValueError: the span has no message. RecordingError: the file cannot be written.
     """
     from ..repair.write import write_messages  # Imported lazily: reading samples needs no mcap.
 

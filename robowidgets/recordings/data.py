@@ -413,7 +413,7 @@ class RecordingData:
                 interpolated, and unknown after the last one. Texts, flags and times are always the last ones.
 
         Raises:
-            UnknownTopicError, UnknownFieldError: there is no such topic or field, or it cannot be read. TypeError: a
+            UnknownTopicError, UnknownFieldError: the topic or field is missing, or it cannot be read. TypeError: a
                 field has several values. ValueError: ``how`` or ``at`` is unknown. RecordingError: the recording is
                 closed, or the table would be larger than `memory`.
 

@@ -128,7 +128,7 @@ def test_a_file_that_still_grows_is_taken_once_it_is_whole(
     assert fleet.drives(output).unread == ()
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells who writes to a file")
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux shows that a file is open for writing")
 def test_a_file_that_a_program_has_open_for_writing_is_not_taken(folder: Path, output: Path) -> None:
     copy(robowidgets.SAMPLE, folder / "drive.mcap")
     with (folder / "drive.mcap").open("ab"):
