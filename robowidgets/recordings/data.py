@@ -532,6 +532,8 @@ class RecordingData:
     def label(self, name: str, start: float, end: float) -> Label:
         """Give a span a name. It is stored in ``labels.jsonl`` next to the recording, one line of JSON for each.
 
+        The label follows the recording if that is renamed in its folder.
+
         Args:
             name: such as ``"door"``.
             start: seconds from the start of the recording.
