@@ -298,25 +298,29 @@ def test_the_command_writes_a_cut(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 @pytest.mark.slow
 def test_cuts_of_real_recordings_have_the_messages_of_a_loop_over_the_whole_file(data: Path, tmp_path: Path) -> None:
-    paths = [path for path in sorted((data / "good").iterdir()) if not path.name.endswith(".gz")]
-    paths += [
-        data / "odd/ros1_messages_in_mcap.mcap",
-        data / "odd/unchunked_no_index.mcap",
-        data / "topics/scitos_amcl.bag",
-    ]
-    for number, path in enumerate(paths):
-        with robowidgets.open(path) as recording:
-            start = recording.duration / 3
-            cut = recording[start : start + 1].to_mcap(tmp_path / f"{number}.mcap")
-            start_ns = (recording.start_ns or 0) + round(start * 1e9)
-            stop_ns = (recording.start_ns or 0) + round((start + 1) * 1e9)
-            inside = plain_loop(recording.source, start_ns, stop_ns)
+    count = 0
+    for path in [one for name in ("good", "odd", "topics", "damaged") for one in sorted((data / name).iterdir())]:
+        try:
+            recording = robowidgets.open(path)
+        except RecordingError:
+            continue  # other tests have the reasons
+        if recording.start_ns is None:
+            continue
+        start = recording.duration / 3
+        cut = recording[start : start + 1 + recording.duration / 3].to_mcap(tmp_path / f"{count}.mcap")
+        start_ns, stop_ns = (
+            recording.start_ns + round(seconds * 1e9) for seconds in (start, start + 1 + recording.duration / 3)
+        )
+        inside = plain_loop(recording.source, start_ns, stop_ns)
         found = by_mcap(cut)
         front = len(found) - len(inside)
         assert all(one[1] == start_ns for one in found[:front]), path
         assert ordered(found[front:]) == ordered(inside), path
+        assert len(inside) > 0
         with robowidgets.open(cut) as again:
-            assert not [line for line in again.problems if "cannot" in line], path
+            assert not [line for line in again.problems if "robowidgets repair" in line], path
+        count += 1
+    assert count >= 30
 
 
 def test_the_channels_of_a_cut_keep_their_quality_of_service(tmp_path: Path) -> None:
