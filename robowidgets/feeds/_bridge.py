@@ -194,9 +194,10 @@ class Bridge(ThreadedMiddleware):
         if not self._was_tried:
             self._listener.on_nobody(f"no answer from {self.where} yet: {COMPARE}")
 
-    async def other_bridge(self) -> str:
-        """Return a text for a bridge of another protocol that listens at the address, or empty."""
-        return ""
+    @property
+    def hint(self) -> str:
+        """See `BridgeCalls`."""
+        raise NotImplementedError
 
     def _topic_of_start(self, start: bytes) -> str:
         """Return the topic of the message whose frame begins with these bytes, or empty if they do not contain it."""

@@ -40,7 +40,11 @@ _TIMED_OUT = 599  # tornado's code for a timeout, which no server sends
 
 
 class BridgeCalls(Protocol):
-    """The methods of a bridge that its `WebSocket` calls."""
+    """The part of a bridge that its `WebSocket` uses."""
+
+    @property
+    def hint(self) -> str:
+        """Return the text to add if a server that listens at the address does not speak the protocol."""
 
     def on_open(self) -> None:
         """React to an established connection."""
@@ -59,9 +63,6 @@ class BridgeCalls(Protocol):
 
     def on_no_answer(self) -> None:
         """Note that no answer has come for a moment."""
-
-    async def other_bridge(self) -> str:
-        """Return a text for a bridge of another protocol that listens at the address, or empty."""
 
     async def finish(self) -> None:
         """Return when the robot has processed what was published."""
@@ -82,7 +83,7 @@ class WebSocket:
 
     Args:
         address: the address; see `checked`.
-        bridge: the bridge, whose methods in `BridgeCalls` are called.
+        bridge: the bridge. See `BridgeCalls`.
         subprotocols: the names of the protocol. The robot must support one of them.
         clock: the clock of the event loop, which `publish` also uses.
 
@@ -117,8 +118,6 @@ class WebSocket:
         self._kept_since: float | None = None
         self._opened_at = math.inf
         self._silent = False
-        self._is_refused = False
-        """True if a server with another protocol answered."""
         self.is_cancelled = False
 
     @property
@@ -134,18 +133,12 @@ class WebSocket:
     async def run(self) -> str:
         """Connect, and run until the connection ends. Return the reason."""
         try:
-            reason = await self._run_to_end()
-            return (self._is_refused and await self._bridge.other_bridge()) or reason
+            return await self._run_connection(await self._connect())
+        except Exception as error:  # any error of the network, of tornado or of the server
+            return self._failure(error)
         finally:
             with self._lock:
                 self._loop = None
-
-    async def _run_to_end(self) -> str:
-        try:
-            return await self._run_connection(await self._connect())
-        except Exception as error:  # any error of the network, of tornado or of the server
-            self._is_refused = getattr(error, "code", _TIMED_OUT) != _TIMED_OUT
-            return self._failure(error)
 
     def cancel(self) -> None:
         """End the connection and the task that runs it."""
@@ -235,8 +228,8 @@ class WebSocket:
         stream = connection.protocol.stream
         if self._subprotocols and connection.selected_subprotocol is None:
             stream.close()
-            self._is_refused = True
-            return f"{self._shown} supports none of {', '.join(self._subprotocols)}: another program listens there"
+            names = ", ".join(self._subprotocols)
+            return f"{self._shown} supports none of {names}: another program listens there; {self._bridge.hint}"
         self._connection, self._stream = connection, stream
         stream.set_nodelay(True)
         skip_large_messages(connection, LARGEST, self._bridge.on_too_large, self._on_part)
@@ -381,7 +374,8 @@ class WebSocket:
             return f"the name {urlsplit(self._address).hostname} cannot be resolved; try the robot's IP address"
         if getattr(error, "code", None) == _TIMED_OUT or isinstance(error, asyncio.TimeoutError):
             return f"no answer from {self._shown} within {CONNECT_TIMEOUT_S:g} s: {COMPARE}"
-        return f"{self._shown} cannot be connected to: {redacted(one_line(str(error))) or type(error).__name__}"
+        hint = f"; {self._bridge.hint}" if hasattr(error, "code") else ""  # a server answered with an error of HTTP
+        return f"{self._shown} cannot be connected to: {redacted(one_line(str(error))) or type(error).__name__}{hint}"
 
     def _ending(self, connection: Any) -> str:
         if self._silent:

@@ -17,7 +17,6 @@ from ..messages.twist import encode_twist
 from ..runtime.clock import Clock
 from ._bridge import Bridge, Read, UnreadableError, short_type, strings
 from ._foxglove_channels import Graph, channel_of, decoder
-from ._other_bridge import FOXGLOVE, is_rosbridge
 from ._twist import is_zero
 from ._websocket import Frame, one_line
 from .middleware import FeedError, Outlet
@@ -25,6 +24,7 @@ from .middleware import FeedError, Outlet
 if TYPE_CHECKING:
     from .feed import Feed
 
+_PROTOCOLS = ["foxglove.sdk.v1", "foxglove.websocket.v1"]
 _WRITTEN = ("cdr", "ros1", "json")
 _DATA = Struct("<BIQ")
 _CLIENT_DATA = Struct("<BI")
@@ -59,7 +59,7 @@ class Foxglove(Bridge):
             "connectionGraphUpdate": self._on_graph,
             "status": self._on_status,
         }
-        super().__init__(address, FOXGLOVE, clock)
+        super().__init__(address, _PROTOCOLS, clock)
 
     @property
     def outlet(self) -> Outlet:
@@ -111,10 +111,10 @@ class Foxglove(Bridge):
         stream = self._streams.get(_DATA.unpack_from(start)[1]) if is_message else None
         return stream.topic if stream is not None else ""
 
-    async def other_bridge(self) -> str:
-        """See `Bridge`."""
-        is_other = await is_rosbridge(self._address)
-        return f"a rosbridge listens there: use feeds.rosbridge({self.where!r})" if is_other else ""
+    @property
+    def hint(self) -> str:
+        """See `BridgeCalls`."""
+        return f"if it is a rosbridge, use feeds.rosbridge({self.where!r})"
 
     def _begin(self) -> None:
         self._info: dict[str, Any] | None = None

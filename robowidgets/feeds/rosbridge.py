@@ -16,7 +16,6 @@ from ..messages.channel import full_type
 from ..messages.twist import TWIST, TWIST_STAMPED
 from ..runtime.clock import Clock
 from ._bridge import Bridge, UnreadableError, other_nodes, short_type, strings
-from ._other_bridge import is_foxglove
 from ._rosbridge_frames import has_cbor, read, topic_of
 from ._twist import is_zero
 from ._websocket import Frame, one_line
@@ -149,10 +148,10 @@ class Rosbridge(Bridge):
         self._listener.on_connected()
         self._poll()
 
-    async def other_bridge(self) -> str:
-        """See `Bridge`."""
-        is_other = await is_foxglove(self._address)
-        return f"a foxglove server listens there: use feeds.foxglove({self.where!r})" if is_other else ""
+    @property
+    def hint(self) -> str:
+        """See `BridgeCalls`."""
+        return f"if it is a foxglove server, use feeds.foxglove({self.where!r})"
 
     def _begin(self) -> None:
         self._types: dict[str, str] = {}

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from robowidgets import DriveWidget, feeds
-from robowidgets.feeds import Feed, FeedError, _other_bridge, _websocket
+from robowidgets.feeds import Feed, FeedError, _websocket
 from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import CLOSE_TIMEOUT, SEND_TIMEOUT
 from robowidgets.runtime.clock import RealClock
@@ -562,32 +562,34 @@ def test_a_server_that_is_not_a_websocket_server_is_reported(
     assert ears.connected == 0
 
 
-def test_a_server_of_another_protocol_is_reported(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_other_bridge, "ANSWER_TIMEOUT_S", 0.1)
+def test_a_server_of_another_protocol_is_reported(ears: Ears) -> None:
     with Server() as server:
         middleware = Foxglove(server.address)
         middleware.open(ears)
         wait_for(lambda: ears.lost, "it gave up")
         middleware.close()
         wait_for(lambda: not server.clients, "the connection ended")
-    spoken = "foxglove.sdk.v1, foxglove.websocket.v1"
-    assert ears.lost[0] == f"{server.address} supports none of {spoken}: another program listens there"
+    refused = f"{server.address} supports none of foxglove.sdk.v1, foxglove.websocket.v1"
+    assert ears.lost[0] == f"{refused}: another program listens there; {middleware.hint}"
     assert ears.connected == 0
 
 
-def test_a_server_whose_late_answers_cannot_be_matched_is_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_other_bridge, "ANSWER_TIMEOUT_S", 0.01)
-    monkeypatch.setattr(_other_bridge, "_GOODBYE", 120.0)
-    leave = _other_bridge.close_when_connected
+def test_an_attempt_that_succeeds_after_closing_is_ended(ears: Ears, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_websocket, "NO_ANSWER", 0.0)
+    monkeypatch.setattr(_websocket, "_GOODBYE", 120.0)
+    leave = _websocket.close_when_connected
     with Server() as server:
         go_on = server.stall()
 
-        async def leave_and_go_on(connecting: Any, seconds: float) -> None:
-            go_on()  # the time for an answer is over
+        async def go_on_and_leave(connecting: Any, seconds: float) -> None:
+            go_on()
             await leave(connecting, seconds)
 
-        monkeypatch.setattr(_other_bridge, "close_when_connected", leave_and_go_on)
-        assert not asyncio.run(_other_bridge.is_rosbridge(server.address))
+        monkeypatch.setattr(_websocket, "close_when_connected", go_on_and_leave)
+        middleware = Foxglove(server.address)
+        middleware.open(ears)
+        wait_for(lambda: ears.nobody, "the attempt runs")
+        middleware.close()
         wait_for(lambda: server.opened and not server.clients, "the connection ended")
 
 
