@@ -25,7 +25,7 @@ from ..samples.staleness import PAGE_SILENCE
 from ._driving import USUAL, DriveStatus, Driving, heard_speeds, unheard
 from ._guard.guard import OFF, guard_for, release
 from ._guard.link import HasGuard, NoAnswerError
-from ._links import DriveLink
+from ._subscriptions import Subscriptions
 from ._twist import TwistPublisher
 from .middleware import Advert, FeedError, HasOutlet, Middleware, NotConnectedYetError
 
@@ -60,7 +60,7 @@ class Driver:
         watchdog: the watchdog that sends the speeds.
     """
 
-    def __init__(self, connection: DriveLink, middleware: Middleware) -> None:
+    def __init__(self, connection: Subscriptions, middleware: Middleware) -> None:
         self._connection, self._clock = connection, connection.clock
         self._driving = Driving()
         self._chosen: tuple[Driving, Driving] | None = None
@@ -86,7 +86,7 @@ class Driver:
         self.watchdog.observe(self._after_send)
         if self._link is not None:
             self._link.observe(self._after_guard)
-            self._link.on_unheard[self._number] = connection.on_unheard
+            self._link.on_unheard[self._number] = self.on_unheard
             self._link.on_sent[self._number] = connection.show_beside
 
     def prepare(self) -> None:
@@ -247,11 +247,12 @@ class Driver:
         self._twists.on_connected()
         self.watchdog.on_connected()
 
-    def on_unheard(self, topic: str, reason: str) -> bool:
-        """Record why a subscriber does not receive speeds. Return True if the reason is new. See `Listener`."""
+    def on_unheard(self, topic: str, reason: str) -> None:
+        """Show why a subscriber does not receive speeds. See `Listener`."""
         is_new = self._status.unheard.get(topic, "") != reason
         self._status.unheard[topic] = reason
-        return is_new
+        if is_new:
+            self._connection.on_driving()
 
     def _await_robot(self) -> None:
         """Wait until the guard can send a speed, and a moment for a subscriber."""

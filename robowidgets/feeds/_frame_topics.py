@@ -2,44 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Any
 
 from ..messages.standard import ODOMETRY
 from ..poses.live_frames import TakesFrames, TakesTopics
 from ..poses.transforms import STATIC, TRANSFORMS
 from ..runtime.coalesced_call import CoalescedCall
 from ._subscription import Target
+from ._subscriptions import Subscriptions
 from ._topics import FeedTopic
 from .middleware import FeedError
 
 _WATCHED = ("trail", "overlay", "_lasers")
 """Traits of widgets that determine which poses they need."""
-
-
-class Attaching(Protocol):
-    """The part of a connection that is used here."""
-
-    @property
-    def is_closed(self) -> bool:
-        """True once no message can come any more."""
-
-    @property
-    def topics(self) -> tuple[FeedTopic, ...]:
-        """The known topics."""
-
-    @property
-    def widgets(self) -> Sequence[Any]:
-        """The connected widgets."""
-
-    def attach(
-        self, topic: str, take: Callable[[Any], object], on_missed: Callable[[int], object] | None = None
-    ) -> Target:
-        """Pass the messages of a topic to a function."""
-
-    def detach(self, topic: str, target: Target) -> None:
-        """Stop passing them."""
 
 
 class FrameTopics:
@@ -49,7 +26,7 @@ class FrameTopics:
         look: attaches the topics that widgets need now and detaches the others, in one thread at a time.
     """
 
-    def __init__(self, connection: Attaching) -> None:
+    def __init__(self, connection: Subscriptions) -> None:
         self._connection = connection
         self._attached: dict[TakesFrames, list[tuple[str, Target]]] = {}
         self._observed: set[Any] = set()
@@ -57,7 +34,7 @@ class FrameTopics:
 
     def _look(self) -> None:
         connection = self._connection
-        widgets = () if connection.is_closed else connection.widgets
+        widgets: tuple[Any, ...] = () if connection.is_closed else connection.widgets
         there = {widget for widget in widgets if hasattr(widget, "frame_topics")}
         for widget in there - self._observed:
             widget.observe(self._on_trait, _WATCHED)

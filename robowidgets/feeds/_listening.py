@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import partial
 from math import isfinite
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from ..messages.infrastructure import is_large
 from ..runtime.clock import Scheduler
@@ -16,9 +16,8 @@ from ..runtime.clock import scheduler as threads
 from ..runtime.log_once import LogOnce
 from ..samples.staleness import SEEN_FOR
 from ..widget.rate import SHORTEST, RateMeter
-from ._callbacks import FunctionCaller
-from ._links import TopicLink
 from ._subscription import Target
+from ._subscriptions import Subscriptions
 from .middleware import FeedError
 
 log = logging.getLogger("robowidgets")
@@ -40,20 +39,6 @@ PROBE_TIMEOUT_S = 2.0
 
 PROBE_PAUSE_S = 15.0
 """Seconds between two probes of a topic."""
-
-
-class Listened(TopicLink, Protocol):
-    """The part of a connection that is used here."""
-
-    functions: FunctionCaller
-
-    @property
-    def is_closed(self) -> bool:
-        """True once no message can come any more."""
-
-    @property
-    def connected(self) -> dict[str, tuple[Target, ...]]:
-        """The targets of the messages of each topic, except connected functions."""
 
 
 class TopicStats:
@@ -136,7 +121,7 @@ class Listening:
         scheduler: the scheduler of its timers, with their clock.
     """
 
-    def __init__(self, connection: Listened, scheduler: Scheduler = threads) -> None:
+    def __init__(self, connection: Subscriptions, scheduler: Scheduler = threads) -> None:
         self._connection, self._scheduler = connection, scheduler
         self._now = scheduler.clock.now
         self._lock = threading.RLock()

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
-from ._links import TopicLink
 from ._subscription import Target
+from ._subscriptions import Subscriptions
 from ._topics import FeedTopic, is_open
 
 
@@ -18,7 +18,7 @@ class Probes:
         connection: the connection of the feed, which lists the decided widgets.
     """
 
-    def __init__(self, connection: TopicLink) -> None:
+    def __init__(self, connection: Subscriptions) -> None:
         self._connection = connection
         self._targets: dict[str, Target] = {}
         self._decided: set[str] = set()

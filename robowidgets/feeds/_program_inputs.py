@@ -27,9 +27,9 @@ from ..runtime.clock import RealClock
 from ..samples import Speed
 from ..samples.staleness import STEPS, TO_DRIVE_BY, TO_DRIVE_BY_NAMED, SilenceRule, is_steady
 from ..speed.row import SPEED
-from ._links import TopicLink
 from ._probes import Probes
 from ._subscription import Target
+from ._subscriptions import Subscriptions
 from ._topics import queue_length, sample_of
 
 _CLOCK = RealClock()
@@ -43,7 +43,7 @@ class _Latest:
 
     def __init__(
         self,
-        connection: TopicLink,
+        connection: Subscriptions,
         topic: str,
         on_message: Callable[[], None],
         odometer: Odometer | None,
@@ -138,7 +138,7 @@ class FeedInputs:
 
     def __init__(
         self,
-        connection: TopicLink,
+        connection: Subscriptions,
         wake: Callable[[], None],
         *,
         silence: SilenceRule | None = None,

@@ -4,48 +4,24 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from ..laser.row import LASER
 from ..laser_widget import LaserWidget
 from ..messages.fields import frame_id, unwrap
-from ..poses.live_mounts import LiveMounts
 from ..poses.transforms import STATIC, TRANSFORMS
-from ..runtime.clock import Clock, Threads, scheduler
+from ..runtime.clock import Threads, scheduler
 from ..runtime.coalesced_call import CoalescedCall
 from ..samples import Scan
 from ._subscription import Target
-from ._topics import FeedTopic
+from ._subscriptions import Subscriptions
 from .middleware import MOST_UNREAD, FeedError
 
 GRACE = 2.0
 """Seconds for which scans wait for tf to name their scanner, because the robot may drive by them."""
-
-
-class MountLink(Protocol):
-    """The part of a connection that is used here."""
-
-    clock: Clock
-
-    @property
-    def topics(self) -> tuple[FeedTopic, ...]:
-        """The known topics."""
-
-    @property
-    def connected(self) -> Mapping[str, Collection[Target]]:
-        """The targets of the messages of each topic, except connected functions."""
-
-    def topic_of(self, name: str) -> FeedTopic:
-        """Return a topic as it is known now."""
-
-    def attach_target(self, topic: str, target: Target) -> None:
-        """Pass the messages of a topic to a target."""
-
-    def detach(self, topic: str, target: Target) -> None:
-        """Stop passing them."""
 
 
 class Held(NamedTuple):
@@ -70,19 +46,16 @@ class ScannerMounts:
         pass_on: passes a held message to its targets.
 
     Attributes:
-        mounts: the known mounts.
         look: subscribes to the tf topics that are needed now, in one thread at a time.
     """
 
-    def __init__(self, connection: MountLink, pass_on: Callable[[Held], object]) -> None:
-        self.mounts = LiveMounts()
+    def __init__(self, connection: Subscriptions, pass_on: Callable[[Held], object]) -> None:
+        self.mounts = connection.mounts
         self._connection, self._pass_on = connection, pass_on
         clock = connection.clock
         self._timers = scheduler if clock is scheduler.clock else Threads(clock)
         self._lock = threading.RLock()
         self._attached: dict[str, Target] = {}
-        self._scanned: frozenset[str] = frozenset()
-        """The topics with scans, and the topics from which a laser widget makes scans."""
         self._has_tf = self._has_messages = False
         """True if there are tf topics, and if a message with a scan came instead of a sample from a recording."""
         self._until: dict[str, float] = {}
@@ -99,8 +72,7 @@ class ScannerMounts:
         with self._lock:
             if self._is_closed:
                 return
-            scanned = {topic for topic, targets in connection.connected.items() if self._has_scans(topic, targets)}
-            self._scanned, self._has_tf = frozenset(scanned), bool(tf)
+            self._has_tf, scanned = bool(tf), any(map(self._has_scans, connection.connected))
             are_fixed = bool(self._frames) and all(map(self.mounts.is_fixed, self._frames))
             wanted = {name for name in tf if scanned and self._has_messages and (_is_static(name) or not are_fixed)}
             gone = {name: self._attached.pop(name) for name in self._attached.keys() - wanted}
@@ -113,14 +85,9 @@ class ScannerMounts:
             for name, target in targets.items():
                 connection.attach_target(name, target)
 
-    def note(self, topic: str, targets: Collection[Target]) -> None:
-        """Note that a topic is connected to these targets, before its first message."""
-        if self._has_scans(topic, targets):
-            self._scanned |= {topic}
-
     def holds(self, topic: str, message: Any, *, newest: bool, each: bool) -> bool:
         """Return True for a message that must wait, because tf has not given the mount of its scanner yet."""
-        if topic not in self._scanned or isinstance(unwrap(message), Scan):
+        if self._is_closed or not self._has_scans(topic) or isinstance(unwrap(message), Scan):
             return False
         frame = frame_id(message).lstrip("/")
         if not self._has_messages or frame not in self._frames:
@@ -142,7 +109,7 @@ class ScannerMounts:
     def close(self) -> None:
         """Stop following tf and holding scans."""
         with self._lock:
-            self._is_closed, self._scanned = True, frozenset()
+            self._is_closed = True
             self._held.clear()
 
     def _take(self, topic: str, message: Any) -> None:
@@ -167,9 +134,12 @@ class ScannerMounts:
         if passed:
             self.look()
 
-    def _has_scans(self, topic: str, targets: Collection[Target]) -> bool:
-        of_widget = any(isinstance(target.widget, LaserWidget) for target in targets)
-        return of_widget or self._connection.topic_of(topic).widget == LASER.name
+    def _has_scans(self, topic: str) -> bool:
+        """Return True for a connected topic with scans, or from which a laser widget makes scans."""
+        if self._connection.topic_of(topic).widget == LASER.name:
+            return True
+        subscription = self._connection.by_topic.get(topic)
+        return subscription is not None and any(isinstance(one.widget, LaserWidget) for one in subscription.targets)
 
 
 def _is_static(topic: str) -> bool:

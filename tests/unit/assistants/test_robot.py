@@ -35,7 +35,7 @@ def clock() -> ManualClock:
 @pytest.fixture
 def held(clock: ManualClock, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Feed, Scripted, Hand]]:
     """A feed by a clock that the test moves, and the hand of an assistant on it."""
-    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.0)
+    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.0)
     script = Scripted(SCAN, CMD_VEL)
     feed = Feed(script, clock=clock)
     hand = Hand(feed, LIMITS)
@@ -234,7 +234,7 @@ def serve(monkeypatch: pytest.MonkeyPatch) -> Iterator[Serve]:
     """Opens servers on a script."""
     from robowidgets.assistants.server import AssistantServer
 
-    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
     monkeypatch.setattr("robowidgets.assistants.live.FIRST_MESSAGE_TIMEOUT_S", 0.1)
     opened: list[tuple[Any, Feed]] = []
 

@@ -157,7 +157,7 @@ def test_a_version_may_choose_other_samples_while_the_last_version_takes_its_own
     thread.join()
     assert seen == {("scan",)}
     inputs.close()
-    assert not robot.connection._table.by_topic
+    assert not robot.connection.by_topic
 
 
 def test_a_bump_between_two_steps_is_not_lost(robot: Feed, script: Scripted) -> None:

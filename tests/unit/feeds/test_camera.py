@@ -110,7 +110,7 @@ def test_its_laser_and_its_sonar_lie_on_its_picture_by_themselves_once_tf_joins_
     laser.sectors["near"] = ("-10deg", "10deg")
     wait_for(lambda: "near" in [one["name"] for one in over().get("drawn", ())], "a sector is on the picture")
     image.overlay = False
-    left = feed.connection._table.by_topic.keys()
+    left = feed.connection.by_topic.keys()
     assert left - {"/tf"} == {IMAGE, "/scan"}, "in addition to tf, which relates the angles of the laser to the robot"
 
 

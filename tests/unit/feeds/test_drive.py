@@ -34,7 +34,7 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> Iterator[Driven]:
 
     Their speeds hold long, unless a test names a hold: a busy machine may send one late.
     """
-    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
     there: list[Feed] = []
 
     def open_one(
@@ -407,7 +407,7 @@ def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(d
 def test_stopping_waits_a_moment_for_the_robot_and_for_a_subscriber(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 240.0)
+    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 240.0)
     feed, script = driven(connected=False)
     heard = threading.Timer(0.1, lambda: script.listener.on_topics([SCAN, STAMPED]))
     listed = threading.Timer(0.05, lambda: (script.listener.on_topics([SCAN]), heard.start()))
@@ -477,7 +477,7 @@ def test_the_middleware_is_closed_whatever_keeps_zero_from_being_sent(
 def test_driving_waits_two_seconds_for_the_robot_and_no_longer(
     driven: Driven, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 2.0)
+    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 2.0)
     feed, script = driven(connected=False, clock=clock)
     driving = clock.beside(lambda: feed.drive(0.1))
     clock.advance(1.999)
@@ -825,7 +825,7 @@ def test_a_driven_topic_is_driven_on_even_if_others_get_subscribers(driven: Driv
 def test_no_topic_is_chosen_before_the_usual_one_had_time_to_be_found(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 60.0)
+    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 60.0)
     feed, script = driven(ROBOT_1)
     feed.stopped = True
     wait_for(lambda: script.sent, "zero is sent")

@@ -147,5 +147,5 @@ def test_a_laser_with_a_trail_takes_the_odometry_of_its_robot_or_its_tf_by_itsel
     if left_out == "/odom":
         assert laser.get_state()["_about"]["pose"] == [1.0, 2.0, 0.0]
     laser.trail = 0
-    left = feed.connection._table.by_topic.keys()
+    left = feed.connection.by_topic.keys()
     assert left - {"/tf", "/tf_static"} == {"/scan"}, "in addition to tf, which relates the angles to the robot"

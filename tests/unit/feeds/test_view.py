@@ -31,7 +31,7 @@ Opened = Callable[..., tuple[Feed, Scripted]]
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
     """Opens feeds on a script, with a short wait for subscribers that never come, and closes them."""
-    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
+    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert, connected: bool = True) -> tuple[Feed, Scripted]:
@@ -334,7 +334,7 @@ def test_the_cell_of_a_view_next_to_the_notebook_shows_a_bar_which_is_closed_wit
 
 
 def test_showing_waits_for_the_first_topics(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 240.0)
+    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 240.0)
     feed, script = opened()
     threading.Timer(0.05, lambda: script.listener.on_topics([SCAN])).start()
     assert on_page(feed.show()) == ["/scan"]

@@ -169,7 +169,7 @@ SAYS, LOG = Advert("/says", STRING), Advert("/log", STRING)
 class TestAFeed:
     @pytest.fixture(autouse=True)
     def _impatient(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("robowidgets.feeds._connection.DISCOVERY_TIMEOUT_S", 0.02)
+        monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
 
     def test_shows_all_topics_if_no_topic_has_a_widget(self) -> None:
         script = Scripted(NUMBER, SAYS, LOG)
