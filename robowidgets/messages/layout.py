@@ -118,10 +118,22 @@ class Layout:
         counts: for each array of messages, its lengths, one for each occurrence.
         is_big_endian: True if the most significant byte of a number comes first.
         ends: True if a zero follows each text.
+        fields: the number and the leaf of each name and type outside of arrays of messages.
         left: the number of bytes after the last field, without padding.
     """
 
-    __slots__ = ("_ends", "_fixed", "_lengths", "_texts", "counts", "is_big_endian", "left", "sizes", "starts")
+    __slots__ = (
+        "_ends",
+        "_fixed",
+        "_lengths",
+        "_texts",
+        "counts",
+        "fields",
+        "is_big_endian",
+        "left",
+        "sizes",
+        "starts",
+    )
 
     def __init__(
         self,
@@ -133,8 +145,10 @@ class Layout:
         counts: Sequence[Sequence[int]],
         is_big_endian: bool,
         ends: bool,
+        fields: Mapping[tuple[str, str], tuple[int, Leaf]],
         left: int = 0,
     ) -> None:
+        self.fields = fields
         self.is_big_endian, self._texts, self._ends = is_big_endian, tuple(texts), ends
         self.left = left
         self.starts, self.sizes, self.counts = (
@@ -152,6 +166,18 @@ class Layout:
             if self._ends and raw[stop]:
                 raise DecodeError(f"a text at byte {start} does not end with a zero")
         return True
+
+    def span(self, type_name: str, *names: str) -> slice | None:
+        """Return the offsets of fields of one type, or None if they do not follow one another or have no values."""
+        start = stop = None
+        for name in names:
+            number, leaf = self.fields.get((name, type_name), (0, None))
+            if leaf is None or leaf.dtype is None or stop not in (None, self.starts[number][0]):
+                return None
+            count = self.sizes[number][0] if leaf.count is None else leaf.count
+            stop = int(self.starts[number][0] + leaf.dtype.itemsize * count)
+            start = int(self.starts[number][0]) if start is None else start
+        return None if start == stop else slice(start, stop)
 
     def offsets(self, leaf: Leaf, place: FieldPath) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the offsets of the selected values of a leaf, and the lengths of the selected texts or arrays."""
@@ -233,6 +259,7 @@ class Layouts:
         self._arrays = 0
         self._types: Mapping[str, Any] = store_of(channel).fielddefs
         self._nodes = tuple(self._compile(channel.type, "", ()))
+        self.fields = {(leaf.name, leaf.type): (i, leaf) for i, leaf in enumerate(self.leaves) if not leaf.arrays}
         self._kept: OrderedDict[int, Layout] = OrderedDict()
 
     def of(self, raw: bytes) -> Layout:
@@ -307,7 +334,7 @@ class _Walk:
     """A walk through the bytes of one message, from its first field to its last."""
 
     def __init__(self, raw: bytes, layouts: Layouts) -> None:
-        self._raw, self._type, self._is_cdr = raw, layouts.type, layouts.is_cdr
+        self._raw, self._type, self._is_cdr, self._fields = raw, layouts.type, layouts.is_cdr, layouts.fields
         self._may_go_on = layouts.may_go_on
         self._base = self._at = _LENGTH if layouts.is_cdr else 0
         if layouts.is_cdr and raw[:2] not in (b"\x00\x00", b"\x00\x01"):
@@ -329,7 +356,8 @@ class _Walk:
         elif not self._may_go_on:
             raise self._error(f"{left} bytes are left over")
         columns = (self._starts, self._sizes, self._counts)
-        return Layout(self._raw, self._lengths, self._texts, *columns, self._is_big_endian, self._is_cdr, left)
+        is_big, ends = self._is_big_endian, self._is_cdr
+        return Layout(self._raw, self._lengths, self._texts, *columns, is_big, ends, self._fields, left)
 
     def _pass(self, node: _Node) -> None:
         count = self._length() if node.count is None else node.count
@@ -425,3 +453,8 @@ def _check_text(text: bytes) -> None:
             text.decode()
         except UnicodeDecodeError as error:
             raise DecodeError(f"a text is not UTF-8: {error}") from None
+
+
+def as_rows(raws: Sequence[bytes]) -> Rows:
+    """Return messages of one size as rows."""
+    return np.frombuffer(b"".join(raws), np.uint8).reshape(len(raws), len(raws[0]))

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from ...messages import to_scan, to_speed
 from ...messages.channel import Channel
-from ...messages.decoding import decoder_of, shape_of
-from ...samples import Scan, yaw_of
-from ._template import MessageTemplate, Rows, scan_template, speed_template
+from ...messages.decoding import decoder_of
+from ...messages.layout import Layout, Layouts, Rows, as_rows
+from ...samples import Scan, Speed, yaw_of
+from ._template import MessageTemplate, scan_template, speed_template
 from .chunks import SampleChunk, ScanChunk, SpeedChunk, merged, single_scan, single_speed
 
 NoteUnread = Callable[[int, Exception], None]
@@ -53,12 +54,15 @@ class TemplateDecoder:
     Subclasses read one message in full, and cut the chunk of the messages that match its template.
     """
 
+    make_template: Callable[[bytes, Any, Layout], MessageTemplate | None]
+
     def __init__(self, channel: Channel) -> None:
-        self.shape, self.encoding = shape_of(channel), channel.encoding
         self.read = decoder_of(channel)
         self.frame_ids: dict[str, None] = {}
+        self._layouts = Layouts(channel)
+        self._last: tuple[bytes, Any] | None = None
+        """The message that was read in full last, with its sample, until it is the template."""
         self._template: MessageTemplate | None = None
-        """The message that was read in full last, or None if the next one is to be read in full."""
         # The number of messages that are compared at once: fewer after messages that differed.
         self._look = _FIRST_LOOK
 
@@ -70,13 +74,13 @@ class TemplateDecoder:
 
     def forget(self) -> None:
         """Read the next message in full."""
-        self._template = None
+        self._last = self._template = None
 
     def _chunks(self, raws: Sequence[bytes], times: NDArray[np.int64], note: NoteUnread) -> Iterator[Any]:
         at = 0
         while at < len(raws):
-            template = self._template
-            if template and len(raws[at]) == template.size:
+            template = self._template_for(raws[at])
+            if template:
                 rows = _rows(raws[at : at + self._look])
                 count = template.count_alike(rows)
                 self._look = 4 * self._look if count == len(rows) else _CAREFUL_LOOK
@@ -85,13 +89,22 @@ class TemplateDecoder:
                     at += count
                     continue
             try:
-                self._template, chunk = self._single(raws[at], int(times[at]))
+                sample, chunk = self._single(raws[at], int(times[at]))
+                self._last, self._template = None if sample is None else (raws[at], sample), None
                 yield chunk
             except (TypeError, ValueError) as error:
                 note(at, error)
             at += 1
 
-    def _single(self, raw: bytes, time_ns: int) -> tuple[MessageTemplate | None, Any]:
+    def _template_for(self, raw: bytes) -> MessageTemplate | None:
+        """Return the template of messages of this size, if the last one that was read in full had this size too."""
+        if self._last is not None and len(self._last[0]) == len(raw):
+            self._template = self.make_template(*self._last, self._layouts.of(self._last[0]))
+            self._last = None
+        return self._template if self._template and self._template.size == len(raw) else None
+
+    def _single(self, raw: bytes, time_ns: int) -> tuple[Any, Any]:
+        """Read a message in full. Return its sample, or None if later messages cannot repeat it, and its chunk."""
         raise NotImplementedError
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> Any:
@@ -102,19 +115,18 @@ class ScanDecoder(TemplateDecoder):
     """A decoder of LaserScan-like messages into scans, in the angles of the robot if `mounts` has the mount."""
 
     mounts: Mounts | None = None
+    make_template = staticmethod(scan_template)
 
-    def _single(self, raw: bytes, time_ns: int) -> tuple[MessageTemplate | None, ScanChunk]:
-        message = self.read(raw)
-        scan = to_scan(message)
+    def _single(self, raw: bytes, time_ns: int) -> tuple[Scan | None, ScanChunk]:
+        scan = to_scan(self.read(raw))
         moves = False
         if self.mounts is not None:
             scan = self.mounts.mounted(scan, time_ns)
             moves = self.mounts.moves(scan.frame_id)
-        template = None if moves else scan_template(raw, message, scan, self.shape, self.encoding)
-        return template, single_scan(scan, time_ns)
+        return None if moves or scan.echoes else scan, single_scan(scan, time_ns)
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> ScanChunk:
-        ranges, intensities = (template.cut(rows, part, np.dtype("<f4")) for part in (template.numbers, template.more))
+        ranges, intensities = (template.cut(rows, part, "<f4") for part in ("ranges", "intensities"))
         one_echo = np.empty((len(rows), 0), object)  # scans with several echoes are read one by one
         return ScanChunk(0, times, template.stamps(rows), ranges, intensities, template.sample, one_echo)
 
@@ -122,13 +134,15 @@ class ScanDecoder(TemplateDecoder):
 class SpeedDecoder(TemplateDecoder):
     """A decoder of Twist and Odometry-like messages."""
 
-    def _single(self, raw: bytes, time_ns: int) -> tuple[MessageTemplate | None, SpeedChunk]:
+    make_template = staticmethod(speed_template)
+
+    def _single(self, raw: bytes, time_ns: int) -> tuple[Speed, SpeedChunk]:
         speed = to_speed(self.read(raw))
-        return speed_template(raw, speed, self.shape, self.encoding), single_speed(speed, time_ns)
+        return speed, single_speed(speed, time_ns)
 
     def _cut(self, template: MessageTemplate, times: NDArray[np.int64], rows: Rows) -> SpeedChunk:
-        values, poses = (template.cut(rows, part, np.dtype("<f8")) for part in (template.numbers, template.more))
-        if template.more:
+        values, poses = (template.cut(rows, part, "<f8") for part in ("twist", "pose"))
+        if poses.size:
             x, y, _, *quaternion = poses.T
             poses = np.stack([x, y, yaw_of(*quaternion)], axis=1)
         steering = np.empty((len(rows), 0))  # messages with a steering angle are read one by one
@@ -175,5 +189,4 @@ class SampleDecoder:
 def _rows(raws: Sequence[bytes]) -> Rows:
     """Return the first messages as rows, up to one of another size."""
     size = len(raws[0])
-    alike = list(takewhile(lambda raw: len(raw) == size, raws))
-    return np.frombuffer(b"".join(alike), np.uint8).reshape(len(alike), size)
+    return as_rows(list(takewhile(lambda raw: len(raw) == size, raws)))

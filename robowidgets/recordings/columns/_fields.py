@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...messages.field_names import find, no_such_field, type_of, within
-from ...messages.layout import FieldPath, Leaf
+from ...messages.layout import FieldPath, Leaf, as_rows
 from ...repair import RecordingError
 from ..topics import Moment, TimedMessage
 from . import tables
-from ._messages import MessageChunk, as_rows
+from ._messages import MessageChunk
 from ._store import Store
 from .series import Series
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...messages.channel import Channel
 from ...messages.decoding import DecodeError, decoder_of
-from ...messages.layout import FieldPath, Layout, Layouts, Leaf, Rows
+from ...messages.layout import FieldPath, Layout, Layouts, Leaf, as_rows
 from ._decoders import NoteUnread
 from .chunks import Chunk
 
@@ -96,8 +96,3 @@ class MessageChunk(Chunk):
             by_layout.setdefault(id(layout), []).append(row)
         for rows in by_layout.values():
             yield self.layouts[rows[0]], np.array(rows, np.int64), [self.raws[row] for row in rows]
-
-
-def as_rows(raws: Sequence[bytes]) -> Rows:
-    """Return messages of one size as rows."""
-    return np.frombuffer(b"".join(raws), np.uint8).reshape(len(raws), len(raws[0]))

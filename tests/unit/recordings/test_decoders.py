@@ -240,6 +240,15 @@ class TestSpeeds:
         assert watched(*raws) == [Speed((x, 1, 2), (3, 4, 5)) for x in (0.5, 0.75)]
         assert watched.calls == 1
 
+    def test_before_other_fields(self) -> None:
+        watched = Watched("my_msgs/msg/State", "ros1", "geometry_msgs/Twist twist\nstring name\nfloat64[] weights\n")
+        raws = [
+            struct.pack("<6d", x, 1, 2, 3, 4, 5) + struct.pack("<I", 3) + b"bot" + struct.pack("<Id", 1, x)
+            for x in (0.5, 0.75)
+        ]
+        assert watched(*raws) == [Speed((x, 1, 2), (3, 4, 5)) for x in (0.5, 0.75)]
+        assert watched.calls == 1
+
     def test_without_a_fixed_place_are_read_in_full(self) -> None:
         watched = Watched("my_msgs/msg/State", "ros1", "geometry_msgs/Twist twist\nstring name\n")
         raws = [
