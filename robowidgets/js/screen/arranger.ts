@@ -82,6 +82,7 @@ export class Arranger {
   readonly #presets = new Map<Preset, HTMLButtonElement>();
   readonly #copy: HTMLButtonElement;
   readonly #changes: Change[] = [];
+  readonly #glides: Animation[] = [];
   #strip: HTMLElement | null = null;
   /** The arrangement during a drag, and after arrows until Enter. */
   #preview: Part | null = null;
@@ -194,6 +195,7 @@ export class Arranger {
   }
 
   #boxes(): Boxes {
+    for (const glide of this.#glides.splice(0)) glide.finish();
     const { root, items } = this.#view;
     const boxes: Boxes = new Map();
     for (const { name, element } of items.values()) {
@@ -222,9 +224,9 @@ export class Arranger {
       const from = before.get(name);
       if (!from || Math.hypot(from.x - x, from.y - y) < 2) continue;
       const start = { transform: `translate(${from.x - x}px, ${from.y - y}px)` };
-      this.#view.items
-        .get(name)
-        ?.element.animate([start, { transform: "none" }], { duration: GLIDE_MS, easing: "ease-out" });
+      const element = this.#view.items.get(name)?.element;
+      if (!element) continue;
+      this.#glides.push(element.animate([start, { transform: "none" }], { duration: GLIDE_MS, easing: "ease-out" }));
     }
   }
 
