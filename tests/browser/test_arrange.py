@@ -28,6 +28,13 @@ IS_FREE = """stop => {
 }"""
 
 
+APART = """cards => {
+    const boxes = cards.map((card) => card.getBoundingClientRect());
+    const apart = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+    return boxes.every((a, i) => boxes.every((b, j) => i === j || apart(a, b)));
+}"""
+
+
 def box(locator: Locator) -> dict[str, float]:
     found = locator.bounding_box()
     assert found is not None
@@ -121,8 +128,10 @@ def test_cards_and_edges_are_dragged_while_the_kernel_is_busy_and_undone(
     expect(large).to_have_attribute("aria-pressed", "true")
     settled(out)
     assert box(out.locator(".rw-laser"))["width"] > 0.6 * box(out.locator(".rw-one-screen"))["width"]
+    assert out.locator(".rw-screen .rw-card").evaluate_all(APART), "no card covers another one"
     for width in (400, 640, 848, 1600):
         nb.resize(width, 760)
+        assert out.locator(".rw-screen .rw-card").evaluate_all(APART), width
         for card in out.locator(".rw-card").all():
             assert card.evaluate("card => card.scrollWidth <= card.clientWidth + 1"), width
         shoot(out, f"arrange-large-laser-light-{width}")
@@ -171,6 +180,14 @@ def test_keys_move_a_card_and_show_it_alone(plain_page: Callable[..., PlainPage]
     header(out, "laser").dblclick(position={"x": 40, "y": 8})
     expect(out.locator(".rw-screen .rw-card")).to_have_count(1)
     page.keyboard.press("f")
+    expect(out.locator(".rw-screen .rw-card")).to_have_count(5)
+    out.locator(".rw-laser > .rw-picture").focus()
+    page.keyboard.press("f")  # the formula of its angle
+    expect(out.locator(".rw-screen .rw-card")).to_have_count(5)
+    page.keyboard.press("Shift+F")
+    expect(out.locator(".rw-screen .rw-card")).to_have_count(1)
+    expect(out.locator(".rw-laser > .rw-picture")).to_be_focused()
+    page.keyboard.press("Escape")
     expect(out.locator(".rw-screen .rw-card")).to_have_count(5)
     assert [part["card"] for part in cards(nb)["row"][0]["column"][1]["row"]] == ["/odom", "/odom as path", "/bumper"]
 
@@ -232,6 +249,7 @@ def test_a_page_keeps_the_arrangement_and_opens_at_a_moment(static_page: Callabl
     speed, laser = box(page.locator(".rw-speed")), box(page.locator(".rw-laser"))
     assert speed["x"] < laser["x"]
     assert speed["y"] == laser["y"]
+    expect(page.locator(".rw-speed .rw-empty")).to_be_hidden()
     shoot(page.locator("main"), "arrange-page-light")
     # The link of another moment.
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])

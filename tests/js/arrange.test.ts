@@ -203,17 +203,16 @@ test("a screen that nobody has arranged becomes rows and columns of the same loo
 
 test("a preset exists if a card is of its kind", () => {
   const there = cards("odom", "scan", "bumper", "plan");
-  assert.deepEqual(pack(presetOf("laser", there) ?? {}), {
-    column: [
-      {
-        row: [
-          { card: "scan", width: 8 },
-          { column: ["odom", "bumper"], width: 4 },
-        ],
-      },
-      "plan",
-    ],
-  });
+  const row = [
+    { card: "scan", width: 8 },
+    { column: ["odom", "bumper"], width: 4 },
+  ];
+  assert.deepEqual(pack(presetOf("laser", there) ?? {}), { column: [{ row, height: 456 }, "plan"] });
+  const two = [
+    { card: "scan", width: 8 },
+    { card: "odom", width: 4 },
+  ];
+  assert.deepEqual(pack(presetOf("laser", cards("odom", "scan")) ?? {}), { row: two });
   assert.deepEqual(pack(presetOf("plots", there) ?? {}), { column: ["plan", { row: ["odom", "scan", "bumper"] }] });
   assert.equal(presetOf("camera", there), null);
   assert.equal(presetOf("laser", cards("scan")), null);

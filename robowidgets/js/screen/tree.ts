@@ -481,6 +481,8 @@ const WIDE = new Set(["scanogram", "plot", "wires", "lines"]);
 /** Cards that stand at the side of a large one only if no others do. */
 const LARGER = new Set(["program", "machine", "simulator", "image", "cloud", "laser", "sonar", "message", "events"]);
 const SCANOGRAM_HEIGHT = 240;
+/** Height of a large card above others. */
+const MAIN_HEIGHT = 456;
 
 /** The arrangement of a preset; null if no card is of its kind. */
 export function presetOf(preset: Preset, cards: readonly CardName[]): Part | null {
@@ -498,17 +500,18 @@ export function presetOf(preset: Preset, cards: readonly CardName[]): Part | nul
   const small = others.filter(({ kind }) => !LARGER.has(kind));
   const besides = small.length ? small.slice(0, MOST_IN_ROW) : others.slice(0, 1);
   const side = besides.map(toLeaf);
+  const below = [...rowsOf(others.filter((card) => !besides.includes(card)).map(toLeaf)), ...wide.map(toLeaf)];
+  const size = below.length ? { height: MAIN_HEIGHT } : {};
   const main: Part = side.length
     ? {
         row: [
           { card: first.name, width: 8 },
           { column: side, width: 4 },
         ],
+        ...size,
       }
-    : { card: first.name };
-  return tidied({
-    column: [main, ...rowsOf(others.filter((card) => !besides.includes(card)).map(toLeaf)), ...wide.map(toLeaf)],
-  });
+    : { card: first.name, ...size };
+  return tidied({ column: [main, ...below] });
 }
 
 export const isSame = (a: Part | null, b: Part | null): boolean =>

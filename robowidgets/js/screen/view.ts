@@ -196,7 +196,7 @@ function size(
   const [least, leastHeight] = leastSize(part, kindOf);
   const values: [string, string | number | undefined][] = [
     ["--rw-share", share?.toFixed(4)],
-    ["--rw-height", part.height && `${part.height}px`],
+    ["--rw-height", part.height ? `${part.height}px` : "auto"], // it would be inherited
     ["--rw-least", `${least}px`],
     ["--rw-least-height", `${part.height ?? (part.card === undefined ? 0 : leastHeight)}px`],
     ["--rw-grow", part.height || !grows ? 0 : 1],
