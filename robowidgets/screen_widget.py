@@ -70,7 +70,7 @@ class ScreenWidget(FrontEndWidget):
 
     @property
     def arrangement(self) -> Any:
-        """The arrangement of the cards by hand, as ``{"cards": ...}``; an empty list if nobody has arranged them.
+        """The arrangement of the cards by hand, as ``{"cards": ...}``; an empty list if their places decide.
 
         It can be stored as JSON, and set again or passed to `screen`.
         """

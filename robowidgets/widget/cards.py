@@ -50,7 +50,7 @@ def as_entries(topics: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def topics_of(arrangement: Any) -> Any:
-    """Return the topics of an arrangement, which is a list of them or has them besides its cards."""
+    """Return the topics of an arrangement, which is a list of topics, or a dictionary with topics and cards."""
     return arrangement.get("topics", []) if isinstance(arrangement, Mapping) else arrangement
 
 

@@ -111,7 +111,7 @@ def test_cards_and_edges_are_dragged_while_the_kernel_is_busy_and_undone(
     expect(out.locator(".rw-edge-line")).to_be_visible()
     drag(page, at, (at[0] - 180, at[1]))
     wait_for(lambda: [part["width"] for part in cards(nb)["row"]] == [5, 7], "the edge has moved by two twelfths")
-    # Undone, with words, until nobody has arranged it.
+    # Undone, with words, until the places of the widgets decide.
     words = out.locator(".rw-arranged-words")
     page.keyboard.press("Control+z")
     expect(words).to_have_text("back: edge moved")

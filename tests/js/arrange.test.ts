@@ -167,7 +167,7 @@ test("the pointer finds edges in the gaps, and places for a dragged card", () =>
   assert.equal(zoneAt(BOXES, "odom", { x: 400, y: 900 }), null, "far outside");
 });
 
-test("a screen that nobody has arranged becomes rows and columns of the same look", () => {
+test("a screen laid out by places becomes rows and columns of the same look", () => {
   const boxes = new Map([
     ["plan", box(0, 66, 696, 320)],
     ["odom", box(0, 390, 260, 172)],

@@ -38,7 +38,7 @@ export const GAP = 4;
 export const TWELFTHS = 12;
 /** Heights are multiples of it, in pixels. */
 export const STEP = 24;
-/** Pixels at the sides of the screen where a card is dropped beside all others. */
+/** Pixels at the sides of the screen within which a card is dropped next to all others. */
 const RIM = 20;
 /** Most cards side by side, unless the user puts more there. */
 const MOST_IN_ROW = 3;
@@ -404,7 +404,7 @@ export function edgeBox(tree: Part, { path, index, way }: Edge, boxes: ReadonlyM
   return { line, sizes: all.map((box) => (way === "row" ? box.width : box.height)) };
 }
 
-/** The place for a card that is dragged to a point; null over itself, and if it would stay where it is. */
+/** The place for a card that is dragged to a point; null over itself, and far outside of the screen. */
 export function zoneAt(boxes: ReadonlyMap<string, Box>, dragged: string, point: Point): Zone | null {
   const around = boxOf({ row: [...boxes.keys()].map((card) => ({ card })) }, boxes);
   if (!around) return null;
@@ -498,9 +498,9 @@ export function presetOf(preset: Preset, cards: readonly CardName[]): Part | nul
     return tidied({ column: [...large.map(toLeaf), ...rowsOf(others.map(toLeaf), 4), ...wide.map(toLeaf)] });
   }
   const small = others.filter(({ kind }) => !LARGER.has(kind));
-  const besides = small.length ? small.slice(0, MOST_IN_ROW) : others.slice(0, 1);
-  const side = besides.map(toLeaf);
-  const below = [...rowsOf(others.filter((card) => !besides.includes(card)).map(toLeaf)), ...wide.map(toLeaf)];
+  const atSide = small.length ? small.slice(0, MOST_IN_ROW) : others.slice(0, 1);
+  const side = atSide.map(toLeaf);
+  const below = [...rowsOf(others.filter((card) => !atSide.includes(card)).map(toLeaf)), ...wide.map(toLeaf)];
   const size = below.length ? { height: MAIN_HEIGHT } : {};
   const main: Part = side.length
     ? {
