@@ -198,7 +198,7 @@ function size(
     ["--rw-share", share?.toFixed(4)],
     ["--rw-height", part.height ? `${part.height}px` : "auto"], // it would be inherited
     ["--rw-least", `${least}px`],
-    ["--rw-least-height", `${part.height ?? (part.card === undefined ? 0 : leastHeight)}px`],
+    ["--rw-least-height", `${part.card === undefined && !part.height ? 0 : Math.max(part.height ?? 0, leastHeight)}px`],
     ["--rw-grow", part.height || !grows ? 0 : 1],
   ];
   for (const [name, value] of values) if (value !== undefined) element.style.setProperty(name, String(value));
