@@ -150,7 +150,7 @@ class Recording(RecordingData):
         *topics: str,
         scanogram: bool | None = None,
         rerun: bool = False,
-        arrangement: Sequence[Any] | None = None,
+        arrangement: Any = None,
         lines: Any = None,
     ) -> Player:
         """Show the recording: a player, and one widget for each topic that has one.
@@ -164,7 +164,8 @@ class Recording(RecordingData):
             scanogram: True to show a scanogram of the whole drive above the widgets, or None to show it only if that is
                 quick.
             rerun: True to show the Rerun viewer next to the widgets, with the scans in the world (extra ``rerun``).
-            arrangement: the arrangement of widgets, as returned by `Player.arrangement` of an earlier player.
+            arrangement: the topics, and the cards that were arranged by hand, as returned by `Player.arrangement` of an
+                earlier player.
             lines: a function or a program, whose lines are shown with their values at the shown time. Without it, a
                 recorded program shows its lines, once the user asks for them.
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from re import search
 from typing import Any
 
-from ..widget.front_end import bundle
+from ..widget.front_end import bundle, owner_of_script
 from .html import PageAssets, inlined, static
 from .segments import compressed
 
@@ -63,7 +62,7 @@ class Models:
 
     def _script_of(self, widget: Any) -> str:
         """Return the name of the widget's script, and include the script if it is not in each page."""
-        owner = next(c for c in type(widget).__mro__ if isinstance(vars(c).get("_esm"), (str, Path)))
+        owner = owner_of_script(widget)
         name = owner.__module__.rpartition(".")[2]
         if name in _BUILT_IN and vars(owner)["_esm"] == bundle(name)[0]:
             return name

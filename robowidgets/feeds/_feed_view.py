@@ -31,6 +31,7 @@ from ..screens.layout import ScreenPlaces, on_one_screen
 from ..speed_widget import SpeedWidget
 from ..stop_widget import StopWidget
 from ..topics_widget import TopicNow, TopicRow, TopicsWidget
+from ..widget.cards import as_arrangement, as_entries, checked_cards
 from ..widget.freezing import freeze_together
 from ..widget.sample_widget import SampleWidget
 from ..wires_widget import WiresWidget
@@ -82,7 +83,7 @@ class FeedView(ScreenWidget):
         topics: Sequence[str] = (),
         *,
         beside: bool = False,
-        arrangement: Sequence[Entry] | None = None,
+        arrangement: Any = None,
     ) -> None:
         self._feed: ViewedFeed | None = feed
         self._connection = feed.connection
@@ -105,7 +106,7 @@ class FeedView(ScreenWidget):
         self.lines: LinesWidget | None = None
         self.room = None if self._names else feed.room_view()
         self.wires: WiresWidget | None = None
-        super().__init__("feed", self._everything)
+        super().__init__("feed", self._everything, arrangement)
         self._stop.stand_in(self.model_id)
         self._bar = StopWidget(feed) if beside else None
         if self._bar is not None:
@@ -114,6 +115,7 @@ class FeedView(ScreenWidget):
             if isinstance(view, FeedView):
                 self.on_show.keep(view.on_show)
                 self.topic_list.keep(view.topic_list)
+                self.keep_cards(view)
         self.refresh.here()
         self._connection.observe(self.refresh)
         self.refresh()  # for changes in the meantime
@@ -161,7 +163,7 @@ class FeedView(ScreenWidget):
             else:
                 names = {request.topic for request in parse_requests(self._names, [topic.name for topic in topics])}
                 self._probes.add(topic for topic in topics if not names or topic.name in names)
-            wanted = () if self._closed else choose_widgets(self._known.values(), self._entries())
+            wanted = () if self._closed else choose_widgets(self._known.values(), self._visible_entries())
             if self._add_program() or set(wanted) != self._shown.keys():
                 self._set_widgets(wanted)
         except FeedError:
@@ -171,20 +173,28 @@ class FeedView(ScreenWidget):
         self._show_status()
 
     @property
-    def arrangement(self) -> Sequence[Any]:
+    def arrangement(self) -> Any:
         """The visible topics and fields, in the form for `Feed.show`. A list contains fields that share a plot.
 
-        It can be stored as JSON, and set again or passed to `Feed.show`.
+        If the user has arranged the cards, a dictionary with these topics and the cards. It can be stored as JSON, and
+        set again or passed to `Feed.show`.
         """
-        return [entry if isinstance(entry, str) else [*entry] for entry in self._entries()]
+        return as_arrangement(self._cards, self._visible_entries())
 
     @arrangement.setter
     def arrangement(self, entries: Any) -> None:
-        self._names = checked_arrangement(entries)
-        self.on_show.arrange(self._names)
+        names, cards = checked_arrangement(entries), checked_cards(entries)
+        self._names = names
+        self.on_show.arrange(names)
+        self._cards = cards
         self.refresh()
 
-    def _entries(self) -> list[Entry]:
+    def card_name(self, widget: Any, kind: str) -> str:
+        """Return the name of a widget in an arrangement by hand: its topics, or the name of its kind."""
+        named = next((choice.card_name for choice, shown in self._shown.items() if shown is widget), None)
+        return named or kind
+
+    def _visible_entries(self) -> list[Entry]:
         """Return the entries to show. Topics without a known kind wait until no other topic can have a widget."""
 
         def can_show(topic: str) -> bool:
@@ -201,7 +211,7 @@ class FeedView(ScreenWidget):
         if on:
             self.on_show.add(topic)
         else:
-            self.on_show.take_off(of_topic(topic, self._entries(), self._known))
+            self.on_show.take_off(of_topic(topic, self._visible_entries(), self._known))
         self.refresh()
 
     def _on_wires(self, change: Any) -> None:
@@ -302,6 +312,7 @@ class FeedView(ScreenWidget):
         )
         self.place(self._everything)
         self.topic_list.show(self._shown)
+        self._entries = as_entries(self._visible_entries())
 
     @property
     def _added(self) -> list[SampleWidget]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -207,7 +207,7 @@ class Feed:
         self.connection.check_open(topic)
         return scans_of(self.connection, topic, timeout)
 
-    def show(self, *topics: str, beside: bool = False, arrangement: Sequence[Any] | None = None) -> FeedView:
+    def show(self, *topics: str, beside: bool = False, arrangement: Any = None) -> FeedView:
         """Return a view with a live widget for each topic that has one, and for the program and its state machine.
 
         It waits a moment for the first list of topics. Without names, topics and programs that appear later get a
@@ -218,7 +218,8 @@ class Feed:
                 not shown then. A name may include the widget: ``"/points as laser"``. Without names: all topics that
                 have a widget, or, if no topic has a widget, a few that show the fields of messages.
             beside: True to open the view next to the notebook, in JupyterLab. The cell then has a bar with Stop.
-            arrangement: the entries to show, from `FeedView.arrangement` of an earlier view.
+            arrangement: the entries to show, and the cards that were arranged by hand, from `FeedView.arrangement` of
+                an earlier view.
 
         Raises:
             TypeError: a name is not text but, for example, a list of names; or beside is neither True nor False.

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import takewhile
 from typing import Any, NamedTuple, Protocol
 
+from ..widget.cards import checked_cards, topics_of
 from ..widget.sample_widget import SampleWidget
 from . import (
     KINDS,
@@ -103,6 +104,13 @@ class WidgetChoice(NamedTuple):
     def own(self) -> tuple[str, ...]:
         """The topics in its first role."""
         return tuple(topic for role, topic in self.parts if role is self.role)
+
+    @property
+    def card_name(self) -> str:
+        """The name of its widget in an arrangement by hand, which no other widget of the view has."""
+        if self.fields:
+            return ", ".join(self.fields)
+        return f"{self.topic}{AS}{self.shown.name}" if self.second or self.takes_messages else self.topic
 
     @property
     def requested(self) -> tuple[str, ...]:
@@ -296,11 +304,13 @@ def _frozen(entries: Iterable[Entry]) -> list[Entry]:
 
 
 def checked_arrangement(value: Any) -> list[Entry]:
-    """Return a checked `arrangement` of a view, which a program sets again.
+    """Return the checked topics of an `arrangement` of a view, which a program sets again.
 
     Raises:
-        TypeError: it is not a list of names and of lists of names.
+        TypeError, ValueError: its topics are not a list of names and of lists of names, or its cards are wrong.
     """
+    checked_cards(value)
+    value = topics_of(value)
     each: list[Any] = [None] if isinstance(value, str) or not isinstance(value, Sequence) else list(value)
     for entry in each:
         names = [entry] if isinstance(entry, str) else entry

@@ -67,5 +67,8 @@ class PagedPlayer(Protocol):
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Return its widgets, each with a track that reads the given recording."""
 
+    def rooms_of(self, places: ScreenPlaces) -> list[dict[str, Any]]:
+        """Return widgets for the page, by their places."""
+
     def arranged(self, scanogram: ScanogramWidget | None) -> ScreenPlaces:
         """Return the places of all widgets, with the given scanogram among them."""

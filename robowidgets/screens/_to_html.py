@@ -22,7 +22,6 @@ from ..repair import RecordingError
 from ..runtime.text import as_date
 from ..scanogram.overview import is_planar, whole_drive
 from ..scanogram_widget import ScanogramWidget
-from ..screen_widget import rooms_of
 from ..speed_widget import SpeedWidget
 from ..tracks import Track
 from ..widget.timed_frame import FRAME_HEADER, TimedFrame
@@ -201,7 +200,7 @@ def _models(
         models.add(picture, {**shown_at, "_frame": picture.frame_without_scans()})
     # A page has no list of topics. Its heading shows the problems.
     places = {name: widgets for name, widgets in player.arranged(picture).items() if name != "topics"}
-    models.add(player, {"_children": rooms_of(places), "_notes": []})
+    models.add(player, {"_children": player.rooms_of(places), "_notes": []})
     return models
 
 

@@ -54,6 +54,7 @@ from ..topics_widget import TopicRow, TopicsWidget
 from ..touch.marks import touch_marks
 from ..touch.row import TOUCH
 from ..tracks import LOOKED_AT, Track, moment_at, moments_of, silent_after, track_of
+from ..widget.cards import as_arrangement, as_entries, checked_cards
 from ..widget.freezing import freeze_together
 from ..widget.sample_widget import SampleWidget
 from ..widget.time_traits import Marks, PlaybackSpeed, Seconds, TimeSpan
@@ -127,7 +128,7 @@ class Player(ScreenWidget):
         topics: Sequence[str] = (),
         scanogram: bool | None = None,
         rerun: bool = False,
-        arrangement: Sequence[Entry] | None = None,
+        arrangement: Any = None,
         lines: Any = None,
     ) -> None:
         earlier = take_the_place(self)
@@ -156,7 +157,7 @@ class Player(ScreenWidget):
             self.topic_list = TopicsWidget(self._on_toggle, self._values_of)
             self.topic_list.set_rows(_rows(recording))
             self.topic_list.observe(self._on_wires, "wires")
-        super().__init__("recording", self.arranged(self.scanogram))
+        super().__init__("recording", self.arranged(self.scanogram), arrangement)
         self._list_shown()
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
@@ -177,6 +178,8 @@ class Player(ScreenWidget):
             self._beside = ipywidgets.Box([self.rerun, self], layout=_WIDE)
         self._on_time(None)
         for player in earlier:
+            if isinstance(player, Player) and player.recording.path == recording.path:
+                self.keep_cards(player)
             if isinstance(player, Player) and self.topic_list is not None and player.topic_list is not None:
                 self.topic_list.keep(player.topic_list)
 
@@ -392,7 +395,7 @@ class Player(ScreenWidget):
             wide = [widget for widget in widgets if widget.column == "map"]
         small, added = ([widget for widget in some if widget not in wide] for some in (others, added))
         # A picture that the user names first gets the first place.
-        named = next(iter(self._entries()), "")
+        named = next(iter(self._shown_entries()), "")
         first = next((view.widget for view in self.views if view.choice.topic == named), None)
         if first in added and first.column == "wide":
             wide = [first, *wide]
@@ -401,27 +404,34 @@ class Player(ScreenWidget):
         return {"bar": [self.bar], "topics": [self.topic_list], **places}
 
     @property
-    def arrangement(self) -> Sequence[Any]:
+    def arrangement(self) -> Any:
         """The shown topics and fields, as `Recording.show` takes them; a list contains fields that share a plot.
 
-        It can be stored as JSON, set again, or passed to `Recording.show`.
+        If the user has arranged the cards, a dictionary with these topics and the cards. It can be stored as JSON, set
+        again, or passed to `Recording.show`.
         """
-        return [entry if isinstance(entry, str) else [*entry] for entry in self._entries()]
+        return as_arrangement(self._cards, self._shown_entries())
 
     @arrangement.setter
     def arrangement(self, entries: Any) -> None:
-        asked = checked_arrangement(entries)
+        asked, cards = checked_arrangement(entries), checked_cards(entries)
         _check(self.recording, asked)
         self.on_show.arrange(asked)
+        self._cards = cards
         self._show_chosen()
 
-    def _entries(self) -> Sequence[Entry]:
+    def card_name(self, widget: Any, kind: str) -> str:
+        """Return the name of a widget in an arrangement by hand: its topics, or the name of its kind."""
+        named = next((view.choice.card_name for view in self.views if view.widget is widget), None)
+        return named or kind
+
+    def _shown_entries(self) -> Sequence[Entry]:
         recording = self.recording
         return self.on_show.entries(wanted(recording.topics, ()), lambda name: not recording.why_unreadable(name))
 
     def _choose(self) -> tuple[WidgetChoice, ...]:
         """Choose the widgets to show."""
-        return choose_widgets(self.recording.topics, self._entries())
+        return choose_widgets(self.recording.topics, self._shown_entries())
 
     def _set_views(self, shown: Sequence[WidgetChoice]) -> tuple[PlayerView, ...]:
         """Make a view for each choice, keep views that exist, and return the new ones."""
@@ -463,7 +473,7 @@ class Player(ScreenWidget):
             _check(self.recording, [topic])
             self.on_show.add(topic)
         else:
-            self.on_show.take_off(of_topic(topic, self._entries(), known))
+            self.on_show.take_off(of_topic(topic, self._shown_entries(), known))
         self._show_chosen()
 
     def _on_wires(self, change: Any) -> None:
@@ -526,7 +536,8 @@ class Player(ScreenWidget):
         self._list_shown()
 
     def _list_shown(self) -> None:
-        """Mark the shown topics in the list."""
+        """Mark the shown topics in the list, and give them to the page for the code of an arrangement."""
+        self._entries = as_entries(self._shown_entries())
         if self.topic_list is not None:
             self.topic_list.show(view.choice for view in self.views)
 

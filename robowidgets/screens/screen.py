@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..screen_widget import ScreenWidget
 from ..widget.freezing import freeze_together
 from ..widget.front_end import FrontEndWidget
 from .layout import in_columns
 
 
-def screen(*widgets: FrontEndWidget) -> ScreenWidget:
+def screen(*widgets: FrontEndWidget, arrangement: Any = None) -> ScreenWidget:
     """Show widgets side by side on one screen, frozen and stepped together.
 
     Freezing one of them, by its button, a key or ``paused``, freezes all. After a step back in one, the others show
@@ -17,6 +19,7 @@ def screen(*widgets: FrontEndWidget) -> ScreenWidget:
 
     Args:
         *widgets: widgets, players, or other screens.
+        arrangement: an arrangement of their cards by hand, as `ScreenWidget.arrangement` returns it.
 
     Raises:
         TypeError: no widgets, or not a widget of robowidgets. RuntimeError: a widget is closed.
@@ -41,4 +44,4 @@ def screen(*widgets: FrontEndWidget) -> ScreenWidget:
         if widget.comm is None:
             raise RuntimeError("screen(): this widget is closed; show a new one")
     freeze_together(widget for widget in widgets if hasattr(widget, "join_group"))
-    return ScreenWidget(places=in_columns(widgets))
+    return ScreenWidget(places=in_columns(widgets), arrangement=arrangement)

@@ -18,7 +18,9 @@ STATIC = Path(__file__).parents[1] / "static"
 class Script(str):
     """A script that `bundle` read: each page runs it once, for all of its widgets."""
 
-    __slots__ = ()
+    __slots__ = ("name",)
+
+    name: str
 
 
 def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
@@ -33,7 +35,9 @@ def bundle(name: str, folder: Path | None = None) -> tuple[Any, Any]:
     script, style = (built_file((folder or STATIC) / f"{name}.{kind}") for kind in ("js", "css"))
     if os.environ.get("ROBOWIDGETS_DEV"):
         return script, style
-    return Script(script.read_text(encoding="utf-8")), style.read_text(encoding="utf-8")
+    read = Script(script.read_text(encoding="utf-8"))
+    read.name = name
+    return read, style.read_text(encoding="utf-8")
 
 
 def built_file(path: Path) -> Path:
@@ -51,6 +55,18 @@ def built_file(path: Path) -> Path:
 @functools.cache
 def _run_once() -> str:
     return built_file(STATIC / "run_once.js").read_text(encoding="utf-8")
+
+
+def owner_of_script(widget: Any) -> type:
+    """Return the class that names the script of a widget."""
+    return next(c for c in type(widget).__mro__ if isinstance(vars(c).get("_esm"), (str, Path)))
+
+
+def kind_of(widget: Any) -> str:
+    """Return the name of a widget's script without "_widget", such as "laser"."""
+    script = vars(owner_of_script(widget))["_esm"]
+    name = script.name if isinstance(script, Script) else getattr(script, "stem", "")
+    return name.removesuffix("_widget")
 
 
 _with_front_end: dict[type, type] = {}

@@ -4,6 +4,7 @@ import { onRays, type Rays, raysAt } from "../../robowidgets/js/export/by_angle.
 import { toCsv } from "../../robowidgets/js/export/csv.ts";
 import { Feed, Segments } from "../../robowidgets/js/export/feed.ts";
 import { PageModel } from "../../robowidgets/js/export/model.ts";
+import { momentOf, parseMoment, showMoment, toHash } from "../../robowidgets/js/export/moment.ts";
 import { readPart } from "../../robowidgets/js/export/parts.ts";
 import { Taker } from "../../robowidgets/js/export/taker.ts";
 import { unpackTracks } from "../../robowidgets/js/export/tracks.ts";
@@ -178,3 +179,35 @@ function trackOf(name: string): DataView {
   const bytes = Buffer.from(readsOf(name).track, "base64");
   return new DataView(Uint8Array.from(bytes).buffer);
 }
+
+test("an address has a moment, with or without a ray", () => {
+  assert.deepEqual(parseMoment("#t=24.1&ray=105"), { time: 24.1, ray: 105 });
+  assert.deepEqual(parseMoment("#ray=0&widget=2"), { ray: 0, widget: 2 });
+  assert.deepEqual(parseMoment("#t=1&ray=1.5"), { time: 1 }, "no such ray");
+  for (const other of ["", "#wiring", "#t=", "#t=late", "#t=-1", "#t=Infinity"]) assert.equal(parseMoment(other), null);
+  assert.equal(toHash({ time: 24.1, ray: 105 }), "#t=24.1&ray=105");
+  assert.equal(toHash({ time: 24.10004 }), "#t=24.101", "not before the sample on show");
+  assert.equal(toHash({ ray: 3, widget: 0 }), "#ray=3");
+  assert.equal(toHash({}), "");
+});
+
+test("a page opens at a moment, says so, and gives a link to the next one", () => {
+  const models = new Map<string, PageModel>();
+  const player = new PageModel({ time: 0, _begin: 2, duration: 58, playing: true, _status: "" }, models);
+  const laser = new PageModel({ pinned: null }, models);
+  const named = [
+    { widget: "laser_widget", model: laser },
+    { widget: "player_widget", model: player },
+  ];
+  assert.deepEqual(momentOf(named), { time: 0 });
+  showMoment(named, { time: 24.1, ray: 105 });
+  assert.deepEqual([player.get("time"), player.get("playing"), laser.get("pinned")], [24.1, false, 105]);
+  assert.equal(player.get("_status"), "24.10 s, from the link");
+  assert.deepEqual(momentOf(named), { time: 24.1, ray: 105 });
+  player.set("time", 25);
+  assert.equal(player.get("_status"), "");
+  showMoment(named, { time: 90 });
+  assert.equal(player.get("time"), 58, "the end of the page");
+  showMoment([{ widget: "laser_widget", model: laser }], { time: 3, ray: 7 });
+  assert.deepEqual(momentOf([{ widget: "laser_widget", model: laser }]), { ray: 7 });
+});

@@ -1,9 +1,12 @@
 import type { MapAbout } from "../path/traits.ts";
+import { copyText } from "../shared/copy.ts";
 import { make } from "../shared/dom.ts";
+import { linkFor, offerLinks } from "../shared/link.ts";
 import { hasTable, toCsv } from "./csv.ts";
 import { Feed, Segments } from "./feed.ts";
 import { FOREVER, makeHost, type Script, toReference } from "./host.ts";
 import { PageModel } from "./model.ts";
+import { momentOf, type Named, parseMoment, showMoment, toHash } from "./moment.ts";
 import { explain, findParts, readPart } from "./parts.ts";
 import { ScanogramMaker } from "./scanogram.ts";
 
@@ -34,6 +37,9 @@ export interface PageFacts {
 /** Milliseconds for which a page waits for a script of a widget. */
 const PATIENCE_MS = 10_000;
 
+/** Milliseconds for which a button says that it has copied. */
+const COPIED_MS = 2000;
+
 /** Milliseconds after which a browser has saved a file. */
 const SAVED_MS = 60_000;
 
@@ -43,18 +49,35 @@ type Widgets = Record<string, () => Script>;
 export async function start(widgets: Widgets): Promise<void> {
   const [place, element] = [document.querySelector("main"), findParts("page")[0]];
   if (!place || !element) throw new Error("this page is not whole");
-  const { facts, models } = await show(element, place, widgets, findParts("segment"), FOREVER);
+  const shown = { named: [] as Named };
+  offerLinks(() => `${location.href.split("#")[0]}${toHash(momentOf(shown.named))}`);
+  const onModels = (named: Named) => {
+    shown.named = named;
+    showLinked(named);
+  };
+  const { facts, models } = await show(element, place, widgets, findParts("segment"), FOREVER, onModels);
+  window.addEventListener("hashchange", () => showLinked(shown.named));
   document.querySelector(".rw-page-text")?.remove();
   offerMoments(facts, models, place, widgets);
 }
 
-/** Builds the widgets of a part, and gives a player among them its segments. */
+/** Shows the moment in the address. */
+function showLinked(named: Named): void {
+  const moment = parseMoment(location.hash);
+  if (moment) showMoment(named, moment);
+}
+
+/**
+ * Builds the widgets of a part, and gives a player among them its segments.
+ * @param onModels is called with the models before they are shown
+ */
 async function show(
   element: HTMLElement,
   place: HTMLElement,
   widgets: Widgets,
   parts: HTMLElement[],
   signal: AbortSignal,
+  onModels: (named: Named) => void = () => {},
 ): Promise<{ facts: PageFacts; models: Map<string, PageModel> }> {
   const { facts, bytes } = await readPart<PageFacts>(element.textContent);
   const css = [...document.querySelectorAll("style")].map((style) => style.textContent).join("\n");
@@ -67,6 +90,7 @@ async function show(
   // Base64 has four characters for three bytes.
   const packed = parts.reduce((sum, { textContent }) => sum + (textContent?.length ?? 0), 0);
   player?.set("_unpacking", Math.round((packed * 3) / 4));
+  onModels(toNamed(facts, models));
   // All models exist before the first is initialised: a player moves the others.
   for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal });
   const item = make("div", "rw-page-item");
@@ -119,6 +143,14 @@ function offerMoments(facts: PageFacts, models: Map<string, PageModel>, place: H
   });
 }
 
+/** The models of a page with the names of their scripts. */
+export function toNamed(facts: Pick<PageFacts, "models">, models: Map<string, PageModel>): Named {
+  return facts.models.flatMap(({ id, widget }) => {
+    const model = models.get(id);
+    return model ? [{ widget, model }] : [];
+  });
+}
+
 /** @param css the stylesheet that the widgets put into a saved picture */
 export function toModels(
   facts: Pick<PageFacts, "models" | "buffers">,
@@ -155,6 +187,7 @@ function scriptOf(widget: string, { keys }: PageFacts, widgets: Widgets): Script
 /** Buttons that save the samples of a topic, exactly as they were recorded. */
 function offerData({ models, name }: PageFacts, player: PageModel, segments: Segments): void {
   const place = document.querySelector(".rw-page-data");
+  if (place) place.append(makeLinkButton());
   const targets: string[] = player.get("_targets");
   for (const [track, id] of targets.entries()) {
     const found = models.find((model) => model.id === id);
@@ -171,6 +204,23 @@ function offerData({ models, name }: PageFacts, player: PageModel, segments: Seg
       place.append(button);
     }
   }
+}
+
+/** A button that copies a link to the moment on show, which the address shows then. */
+function makeLinkButton(): HTMLElement {
+  const button = make("button", "rw-page-save", "Copy link");
+  button.type = "button";
+  button.title = "Copy a link to this moment";
+  button.addEventListener("click", async () => {
+    const link = linkFor(button);
+    const isCopied = await copyText(link);
+    history.replaceState(null, "", link);
+    button.textContent = isCopied ? "Copied" : "The link is in the address bar";
+    setTimeout(() => {
+      button.textContent = "Copy link";
+    }, COPIED_MS);
+  });
+  return button;
 }
 
 /** The topics of a widget that are saved as files, with the role of each if there are several. */

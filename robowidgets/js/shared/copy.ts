@@ -1,12 +1,15 @@
 import { make, makeButton, set, setHidden, setText } from "./dom.ts";
 import { on } from "./events.ts";
+import { hasLinks, linkFor } from "./link.ts";
 
 const COPIED_MS = 2000;
 const LABEL = "Copy code";
+const LINK_LABEL = "Copy link";
 
 /**
- * A button that copies code, in the form that is chosen next to it if there are several. If the browser does not allow
- * to copy, a field shows the code, to be copied by hand.
+ * A button that copies code, in the form that is chosen next to it if there are several. In a page without a kernel,
+ * another button copies a link to the moment. If the browser does not allow to copy, a field shows the text, to be
+ * copied by hand.
  */
 export class CopyCode<F extends string = string> {
   /** The button and the form. */
@@ -40,6 +43,12 @@ export class CopyCode<F extends string = string> {
     this.#form.title = about;
     this.#form.ariaLabel = "form of the code";
     this.row.append(this.#button, ...(forms.length ? [this.#form] : []));
+    if (hasLinks()) {
+      const onLink = () => this.#copyText(link, linkFor(this.row));
+      const link = makeButton("rw-copy-link", "Copy a link to this moment", onLink, signal, LINK_LABEL);
+      link.ariaLabel = null;
+      this.row.append(link);
+    }
     // Their keys must not reach the picture, which would walk its rays.
     for (const own of [this.#form, this.field]) {
       on(own, "keydown", (event) => event.key !== "Escape" && event.stopPropagation(), signal);
@@ -56,16 +65,19 @@ export class CopyCode<F extends string = string> {
   }
 
   async copy(): Promise<void> {
-    const code = this.#toCode(this.#form.value as F);
-    const isCopied = await copyText(code);
-    clearTimeout(this.#copied);
+    await this.#copyText(this.#button, this.#toCode(this.#form.value as F));
+  }
+
+  async #copyText(button: HTMLButtonElement, text: string): Promise<void> {
+    const isCopied = await copyText(text);
+    this.reset();
     setHidden(this.field, isCopied);
     this.#say([isCopied ? "copied" : "press Ctrl and C to copy"]);
     if (isCopied) {
-      setText(this.#button, "Copied");
+      setText(button, "Copied");
       this.#copied = setTimeout(() => this.reset(), COPIED_MS);
     } else {
-      this.field.value = code;
+      this.field.value = text;
       this.field.focus({ preventScroll: true });
       this.field.select();
     }
@@ -75,6 +87,8 @@ export class CopyCode<F extends string = string> {
   reset(): void {
     clearTimeout(this.#copied);
     setText(this.#button, LABEL);
+    const link = this.row.querySelector<HTMLElement>(".rw-copy-link");
+    if (link) setText(link, LINK_LABEL);
     this.field.hidden = true;
   }
 }

@@ -10,10 +10,9 @@ export function keepKeys(root: HTMLElement, signal: AbortSignal): void {
   const keep = (event: KeyboardEvent) => {
     const { activeElement: focused } = document;
     if (!root.contains(focused)) return;
-    focused?.toggleAttribute(
-      "data-lm-suppress-shortcuts",
-      isPlain(event) && (event.key !== "Enter" || isField(focused)),
-    );
+    const isPlainKey = isPlain(event) && (event.key !== "Enter" || isField(focused) || focused?.matches(".rw-grip"));
+    const undoes = event.key === "z" && (event.ctrlKey || event.metaKey) && focused?.closest(".rw-one-screen");
+    focused?.toggleAttribute("data-lm-suppress-shortcuts", Boolean(isPlainKey || undoes));
   };
   on(window, "keydown", keep, signal, { capture: true });
 }

@@ -1,7 +1,9 @@
 import { FOREVER, makeHost, type Script, toReference } from "../export/host.ts";
-import { type PageFacts, toModels } from "../export/page.ts";
+import { momentOf, type Named, parseMoment, showMoment, toHash } from "../export/moment.ts";
+import { type PageFacts, toModels, toNamed } from "../export/page.ts";
 import { readPart } from "../export/parts.ts";
 import { make } from "../shared/dom.ts";
+import { offerLinks } from "../shared/link.ts";
 
 /**
  * Puts widgets into a page of the documentation, with the state that they had when the page was built;
@@ -20,6 +22,28 @@ const BOXES = `
 .rw-page-item { box-sizing: border-box; }`;
 
 const texts = new Map<string, Promise<string>>();
+const places = [...document.querySelectorAll<HTMLElement>("[data-rw-live]")];
+/** The models of each widget on the page that is shown. */
+const shown = new Map<HTMLElement, Named>();
+
+/** The address of a moment: with several widgets on the page, it names the one around the element. */
+function toLink(element: Element): string {
+  const root = element.getRootNode();
+  const host = root instanceof ShadowRoot ? (root.host as HTMLElement) : null;
+  const named = host && shown.get(host);
+  if (!host || !named) return "";
+  return `${location.href.split("#")[0]}${toHash({ ...momentOf(named), widget: places.indexOf(host) })}`;
+}
+
+/** Scrolls to the widget whose moment the address names. */
+function goToLinked(): void {
+  const moment = parseMoment(location.hash);
+  const place = moment && places[moment.widget ?? 0];
+  if (!moment || !place) return;
+  place.scrollIntoView({ block: "center" });
+  const named = shown.get(place);
+  if (named) showMoment(named, moment);
+}
 
 function textOf(url: URL): Promise<string> {
   const known = texts.get(url.href) ?? fetch(url).then((answer) => (answer.ok ? answer.text() : refuse(url, answer)));
@@ -39,6 +63,10 @@ async function show(place: HTMLElement): Promise<void> {
   for (const name of names) made.set(name, (await import(new URL(`${name}.js`, WIDGETS).href)).default);
   const css = (await Promise.all(names.map((name) => textOf(new URL(`${name}.css`, WIDGETS))))).join("\n");
   const models = toModels(facts, bytes, css);
+  const named = toNamed(facts, models);
+  shown.set(place, named);
+  const moment = parseMoment(location.hash);
+  if (moment && places[moment.widget ?? 0] === place) showMoment(named, moment);
   const scripts = new Map<string, Script>();
   for (const { id, widget } of facts.models) {
     const script = made.get(widget) as Script | (() => Script);
@@ -75,4 +103,7 @@ const seen = new IntersectionObserver(
   },
   { rootMargin: AHEAD },
 );
-for (const place of document.querySelectorAll("[data-rw-live]")) seen.observe(place);
+offerLinks(toLink);
+for (const place of places) seen.observe(place);
+goToLinked();
+window.addEventListener("hashchange", goToLinked);

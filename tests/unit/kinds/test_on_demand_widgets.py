@@ -249,6 +249,30 @@ class TestAnArrangement:
         with pytest.raises(UnknownTopicError, match="did you mean '/says'"):
             recording.show(arrangement=["/say"])
 
+    def test_keeps_the_places_of_cards_that_the_user_has_moved(self, recording: Recording) -> None:
+        player = recording.show("/says", "/temperature", "/place.x")
+        cards = {"row": ["/says as words", {"column": ["/place.x", "/temperature as anything"]}]}
+        try:
+            assert {room["card"] for room in player.rooms if room["place"] not in ("bar", "topics")} == {
+                *("/says as words", "/place.x", "/temperature as anything")
+            }
+            player.set_state({"_cards": {"all": cards}})  # as the page sends it
+            topics = ["/says", "/temperature", "/place.x"]
+            assert player.arrangement == {"topics": topics, "cards": cards}
+            from_page(player.topic_list, {"toggle": "/temperature", "on": False})
+            assert player.arrangement == {"topics": ["/says", "/place.x"], "cards": cards}, "it may come back"
+            again = recording.show(arrangement=json.loads(json.dumps(player.arrangement)))
+            assert shown(again) == shown(player)
+            assert again.arrangement == player.arrangement
+            again.arrangement = ["/says"]
+            assert again.arrangement == ["/says"]
+            again.close()
+            every = recording.show(arrangement={"cards": cards})
+            assert [len(view.choice.topics) for view in every.views] == [2, 1, 1], "without topics the usual ones"
+            every.close()
+        finally:
+            player.close()
+
     def test_all_may_be_taken_off(self, recording: Recording) -> None:
         player = recording.show("/says")
         try:

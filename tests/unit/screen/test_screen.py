@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 
 import ipywidgets
 import pytest
@@ -118,3 +119,51 @@ def test_a_page_that_embeds_a_screen_has_the_widgets_on_it() -> None:
     view = screen(laser)
     assert {view.model_id, laser.model_id} <= dependency_state([view]).keys()
     assert other.model_id not in dependency_state([view])
+
+
+CARDS = {"row": [{"card": "/scan", "width": 8}, {"column": ["/odom", "touch"], "height": 240}]}
+
+
+def test_an_arrangement_by_hand_is_a_value_that_the_page_changes() -> None:
+    laser, speed, touch = LaserWidget(title="/scan"), SpeedWidget(title="/odom"), TouchWidget()
+    view = screen(laser, speed, touch)
+    assert view.arrangement == []
+    assert [(room["card"], room["kind"]) for room in view.rooms] == [
+        ("/scan", "laser"),
+        ("/odom", "speed"),
+        ("touch", "touch"),
+    ]
+    view.set_state({"_cards": {"all": CARDS}})  # as the page sends it
+    assert view.arrangement == {"cards": CARDS}
+    again = screen(laser, speed, touch, arrangement=json.loads(json.dumps(view.arrangement)))
+    assert again.arrangement == view.arrangement
+    again.arrangement = []
+    assert again.arrangement == []
+
+
+def test_cards_with_the_same_title_have_names_of_their_own() -> None:
+    one, other, third = (SpeedWidget(title="/odom") for _ in range(3))
+    assert [room["card"] for room in screen(one, other, third).rooms] == ["/odom", "/odom 2", "/odom 3"]
+
+
+@pytest.mark.parametrize(
+    ("cards", "error", "words"),
+    [
+        (3, TypeError, "expected cards as a name or a row or column of them"),
+        ({"row": "/scan"}, TypeError, "a row or column"),
+        ({"row": []}, TypeError, "a row or column"),
+        ({"row": ["/scan"], "column": ["/odom"]}, ValueError, "a row or column"),
+        ({"card": "/scan", "size": 3}, ValueError, "a row or column"),
+        ({"row": ["/scan", {"card": "/scan"}]}, ValueError, "'/scan' has two places"),
+        ({"card": "/scan", "width": 13}, ValueError, "expected a width above 0 and at most 12"),
+        ({"card": "/scan", "height": True}, ValueError, "expected a height above 0"),
+    ],
+)
+def test_a_wrong_arrangement_is_refused_with_the_part_that_is_wrong(
+    cards: object, error: type[Exception], words: str
+) -> None:
+    laser = LaserWidget(title="/scan")
+    with pytest.raises(error, match=words):
+        screen(laser, arrangement={"cards": cards})
+    with pytest.raises(TypeError, match="expected a list of topics, or a dictionary"):
+        screen(laser, arrangement={"card": "/scan"})
