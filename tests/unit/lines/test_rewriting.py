@@ -14,7 +14,7 @@ import pytest
 
 from robowidgets.behaviors.lines.noting import MOST_PASSES, CallNotes, Notebook
 from robowidgets.behaviors.lines.places import COMPARE, PASS, RAYS, VALUE
-from robowidgets.behaviors.lines.rewriting import NotRewrittenError, _without_warnings, rewritten
+from robowidgets.behaviors.lines.rewriting import NotRewrittenError, without_warnings, rewritten
 
 from .snippets import IN_PLACES, SOURCES
 
@@ -177,7 +177,7 @@ def test_a_form_feed_and_a_line_separator_are_in_lines_and_end_none() -> None:
 def test_filters_of_warnings_stay_as_they_are_though_another_thread_changes_them() -> None:
     before = [*warnings.filters]
     other = warnings.catch_warnings()
-    with _without_warnings("a.py"):
+    with without_warnings("a.py"):
         other.__enter__()
     assert warnings.filters == before
     other.__exit__(None, None, None)
