@@ -132,6 +132,12 @@ def without_warnings(file: str) -> Iterator[None]:
                 each.remove(ours)
 
 
+def shown_lines(lines: Iterable[str]) -> tuple[str, ...]:
+    """Return lines of a source as views show them, without their common indentation."""
+    # Not splitlines(), for which a line ends at a form feed, too.
+    return tuple(textwrap.dedent("".join(lines)).expandtabs(4).rstrip("\n").split("\n"))
+
+
 class Definition(NamedTuple):
     """The definition of a function in the parsed source of its cell or file.
 
@@ -139,11 +145,13 @@ class Definition(NamedTuple):
         tree: the parsed source.
         node: the definition, or a lambda.
         same: among the codes of its name on its line, the positions of those that do the same.
+        is_alone: True if the tree has only its statement.
     """
 
     tree: ast.Module
     node: Any
     same: list[int]
+    is_alone: bool = False
 
 
 def definition_of(code: CodeType, lines: Sequence[str]) -> Definition:
@@ -154,7 +162,7 @@ def definition_of(code: CodeType, lines: Sequence[str]) -> Definition:
     except (SyntaxError, ValueError, RecursionError):
         raise changed from None
     # A notebook compiles each statement of a cell by itself, and what Python makes of a call depends on imports.
-    for tree in (whole, _only(whole, code.co_firstlineno)):
+    for tree in (whole, statement_at(whole, code.co_firstlineno)):
         there = codes_like(code, compiled(tree, code, code.co_filename))
         if same := [i for i, one in enumerate(there) if _is_same(one, code)]:
             break
@@ -164,15 +172,17 @@ def definition_of(code: CodeType, lines: Sequence[str]) -> Definition:
     nodes.sort(key=lambda node: (node.lineno, node.col_offset))
     if len(nodes) > 1 and len(nodes) != len(there):
         raise NotRewrittenError("several functions of its name are on its line")
-    return Definition(tree, nodes[0] if len(nodes) == 1 else nodes[same[0]], same)
+    return Definition(tree, nodes[0] if len(nodes) == 1 else nodes[same[0]], same, tree is not whole)
 
 
 def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str]) -> Rewritten:
-    tree, node, same = definition_of(code, lines)
+    tree, node, same, _ = definition_of(code, lines)
     rewriter = _Rewriter(code, lines)
     rewriter.rewrite(node)
     ast.fix_missing_locations(tree)
-    noting = [(i, one) for i, one in enumerate(codes_like(code, compiled(tree, code, code.co_filename))) if _is_noting(one)]
+    noting = [
+        (i, one) for i, one in enumerate(codes_like(code, compiled(tree, code, code.co_filename))) if _is_noting(one)
+    ]
     # A function without any place, such as one that only has a docstring, is as it was.
     number, made = noting[0] if noting else (same[0], code)
     if number not in same:  # a lambda in the defaults of another one is compiled first, and stands after its beginning
@@ -180,13 +190,12 @@ def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str
     if made.co_freevars != code.co_freevars or made.co_varnames != code.co_varnames:
         raise NotRewrittenError("its variables would change")
     first, end = code.co_firstlineno, node.end_lineno or code.co_firstlineno
-    # Not splitlines(), for which a line ends at a form feed, too.
-    texts = textwrap.dedent("".join(lines[first - 1 : end])).expandtabs(4).rstrip("\n").split("\n")
+    texts = shown_lines(lines[first - 1 : end])
     source = FunctionSource(
         code.co_name,
         code.co_filename,
         first,
-        tuple(texts),
+        texts,
         tuple(rewriter.places),
         tuple(rewriter.loops),
         rewriter.reach_of_lines(first, end, lines),
@@ -227,7 +236,7 @@ def with_function(function: Any, made: FunctionType) -> Callable[..., Any]:
     return made if isinstance(function, FunctionType) else MethodType(made, function)
 
 
-def _only(tree: ast.Module, line: int) -> ast.Module:
+def statement_at(tree: ast.Module, line: int) -> ast.Module:
     """Return the statement at a line of a file, with the imports from ``__future__``."""
 
     def is_kept(node: ast.stmt) -> bool:
