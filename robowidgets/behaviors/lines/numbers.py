@@ -18,6 +18,7 @@ from .rewriting import (
     definition_of,
     function_in,
     like,
+    parsed,
     source_of,
     statement_at,
     with_function,
@@ -62,10 +63,12 @@ class Changed(NamedTuple):
     Attributes:
         function: the callable.
         text: the changed text of the whole cell or file.
+        before: the text as it was.
     """
 
     function: Callable[..., Any]
     text: str
+    before: str
 
 
 class _Found(NamedTuple):
@@ -98,7 +101,8 @@ def with_number(function: Callable[..., Any], line: int, column: int, text: str,
 
     Args:
         function: the function.
-        line, column: the place of the number, as in `Number`.
+        line: the number of its line, as in `Number`.
+        column: its column, as in `Number`.
         text: the new number.
         file: the name under which tracebacks find the changed source, or empty to compile only.
 
@@ -133,7 +137,7 @@ def _changed(
     for written in (text, f"({text})"):  # -1 ** 2 is not (-1) ** 2
         made = _with_text(lines, found, written)
         try:
-            whole = ast.parse("".join(made), code.co_filename)
+            whole = parsed(made, code.co_filename)
         except (SyntaxError, ValueError):
             continue
         after = statement_at(whole, code.co_firstlineno) if is_alone else whole
@@ -149,7 +153,7 @@ def _changed(
         _remember(file, made)
     inner = like(function_in(function), there[same[0]])
     _set_default(inner, found.default, ast.literal_eval(text))
-    return Changed(with_function(function, inner), "".join(made))
+    return Changed(with_function(function, inner), "".join(made), "".join(lines))
 
 
 def _with_text(lines: Sequence[str], found: _Found, text: str) -> list[str]:

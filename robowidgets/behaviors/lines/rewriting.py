@@ -33,6 +33,7 @@ READS_RAYS = ("distance", "nearest", "at")
 MOST_EXTRAS = 2
 _NOTES = tuple(f"\0robowidgets note {number}\0" for number in range(2 * (MOST_EXTRAS + 1)))
 """Constants that stand for the functions that note, in the order of `Notes`, until the code is bound to them."""
+_MOST_PARSES = 5
 _FUTURES = sum({getattr(__future__, name).compiler_flag for name in __future__.all_feature_names} - {0x10, 0})
 """The flags of code that say which ``from __future__`` imports are in force."""
 _GENERATOR, _COROUTINE, _ASYNC_GENERATOR = 0x20, 0x80, 0x200
@@ -127,8 +128,8 @@ def without_warnings(file: str) -> Iterator[None]:
         yield
     finally:
         in_force: Any = warnings.filters  # another thread may have put a copy in force
-        for each in (filters, in_force):
-            if ours in each:
+        for each in (filters, *([in_force] if in_force is not filters else [])):
+            if ours in each:  # another thread may have an equal one
                 each.remove(ours)
 
 
@@ -154,11 +155,21 @@ class Definition(NamedTuple):
     is_alone: bool = False
 
 
+def parsed(lines: Sequence[str], file: str) -> ast.Module:
+    """Return a parsed source. Python 3.11 raises SystemError if two threads parse at once, so it is tried again."""
+    for _ in range(_MOST_PARSES - 1):
+        try:
+            return ast.parse("".join(lines), file)
+        except SystemError:  # noqa: PERF203
+            continue
+    return ast.parse("".join(lines), file)
+
+
 def definition_of(code: CodeType, lines: Sequence[str]) -> Definition:
     """Return the definition of a function in the lines of its cell or file; NotRewrittenError if it is not there."""
     changed = NotRewrittenError("its source has changed since it was defined")
     try:
-        whole = ast.parse("".join(lines), code.co_filename)
+        whole = parsed(lines, code.co_filename)
     except (SyntaxError, ValueError, RecursionError):
         raise changed from None
     # A notebook compiles each statement of a cell by itself, and what Python makes of a call depends on imports.

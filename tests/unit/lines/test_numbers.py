@@ -93,8 +93,8 @@ def test_a_whole_number_stays_whole_and_nothing_but_a_number_is_taken() -> None:
 
 
 def test_a_closure_and_a_method_keep_what_they_belong_to() -> None:
-    function = made("def outer():\n    seen = []\n    def step(do):\n        seen.append(do)\n        return len(seen) * 0.5\n"
-                    "    return step\nstep = outer()\n")  # fmt: skip
+    inner = "    def step(do):\n        seen.append(do)\n        return len(seen) * 0.5\n"
+    function = made(f"def outer():\n    seen = []\n{inner}    return step\nstep = outer()\n")
     function(1)
     assert change(function, "0.5", "2.0")(2) == 4.0
     method = made("class A:\n    x = 3\n    def step(self, do):\n        return self.x * 0.5\nstep = A().step\n")
