@@ -146,6 +146,8 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
         if program is not None:
             self._tell_mode(program)
         if not steps:
+            if program is not None:
+                self._show_prepared(program)
             return
         newest = steps[-1]
         if newest.program != self._version:
@@ -182,28 +184,35 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
             with self._newest.lock:
                 self._newest.changed = True
 
+    def _show_prepared(self, program: Program) -> None:
+        """Show the source of a version that makes no step yet, such as while Stop is active."""
+        lines, version = self._programs.lines, program.version
+        name, number = shown = program.name, version.number
+        if lines is None or shown == self._version or self._code.get("key") == f"{name} {number}":
+            return
+        if (call := lines.prepared(shown)) is not None:
+            self._send_code(name, number, [self._describe_function(call, version)])
+
     def _note_functions(self, steps: list[WatchedStep]) -> None:
-        found = len(self._functions)
+        found, version = len(self._functions), self._in_force[1] if self._in_force is not None else None
         for step in steps:
             for call in step.calls:
                 if call.source.key not in self._functions:
-                    self._functions[call.source.key] = self._describe_function(call)
+                    self._functions[call.source.key] = self._describe_function(call, version)
         name, number = self._version or ("", 0)
         if len(self._functions) != found or self._code.get("key") != f"{name} {number}":
-            self._trait_values["_code"] = {
-                "key": f"{name} {number}",
-                "name": name,
-                "version": number,
-                "functions": sorted(self._functions.values(), key=lambda function: int(function["first"])),
-            }
-            self.send_state("_code")
+            self._send_code(name, number, sorted(self._functions.values(), key=lambda one: int(one["first"])))
 
-    def _describe_function(self, call: WatchedCall) -> dict[str, Any]:
+    def _send_code(self, name: str, number: int, functions: list[dict[str, Any]]) -> None:
+        key = f"{name} {number}"
+        self._trait_values["_code"] = {"key": key, "name": name, "version": number, "functions": functions}
+        self.send_state("_code")
+
+    def _describe_function(self, call: WatchedCall, version: Version | None) -> dict[str, Any]:
         """Return the source of a function with its numbers, and its lines as they stand in the cell if they differ."""
         described, source, lines = packed_function(call), call.source, self._programs.lines
         function = lines.function_of(source.key) if lines is not None else None
         described["numbers"] = [] if function is None else [[*number] for number in numbers_in(function)]
-        version = self._in_force[1] if self._in_force is not None else None
         if version is not None and version.written:
             part = slice(source.first - 1, source.first - 1 + len(source.texts))
             cell, now = (text.split("\n")[part] for text in (version.written, version.text))

@@ -92,6 +92,22 @@ def test_a_number_is_dragged_drives_is_taken_back_and_goes_into_its_cell(noteboo
     assert source(nb, 0).strip() == OPEN.strip()
     expect(widget.locator(".rw-lines-cell")).to_contain_text("in the cell now")
 
+    # Part of the steps would have been others.
+    literal(widget, "0.6").focus()
+    for _ in range(6):
+        keys.press("PageUp")
+    expect(change.locator("figcaption")).to_have_count(2)
+    widget.locator(".rw-lines-compared > summary").click()
+    for theme, width in (("light", 1200), ("dark", 700), ("light", 400)):
+        nb.theme(theme)
+        nb.resize(width, 1200)
+        shoot(widget, f"lines-number-tried-{width}-{theme}")
+    nb.resize(1000, 1200)
+    literal(widget, "1.2").focus()
+    keys.press("Escape")
+    expect(change).to_be_hidden()
+    expect(literal(widget, "0.6")).to_be_focused()
+
     # By keys: arrows try, Enter lets it drive, Escape takes it back.
     literal(widget, "0.3").focus()
     for _ in range(3):
@@ -104,6 +120,7 @@ def test_a_number_is_dragged_drives_is_taken_back_and_goes_into_its_cell(noteboo
     keys.press("Escape")
     expect(words).to_have_text("0.3 is back, as version 4")
     expect(literal(widget, "0.3")).to_be_focused()
+    expect(widget.locator(".rw-lines-cell")).to_contain_text("in the cell now")
     keys.press("Escape")
     expect(change).to_be_hidden()
 
@@ -114,5 +131,10 @@ def test_a_number_is_dragged_drives_is_taken_back_and_goes_into_its_cell(noteboo
     keys.press("ArrowLeft")
     keys.press("Enter")
     expect(words).to_have_text("0.29 is in version 5; stop is latched")
+    expect(version).to_have_text("v5 · no step yet")
+    expect(literal(widget, "0.29")).to_be_visible()
+    keys.press("ArrowLeft")
+    keys.press("Enter")
+    expect(words).to_have_text("0.28 is in version 6; stop is latched")
     assert nb.python("robot.stopped").strip() == "True"
     shoot(widget, "lines-number-stopped")

@@ -152,9 +152,14 @@ class LineWatch:
                 for queue in self._views:
                     queue.append(step)
 
+    def prepared(self, program: tuple[str, int]) -> WatchedCall | None:
+        """Return the function of a version that has made no step yet, as a call without values, or None."""
+        of, known = self._prepared
+        return next((WatchedCall(one.source, None, one.why) for one in known.values() if of == program), None)
+
     def function_of(self, key: str) -> Callable[..., Any] | None:
-        """Return the function of the running version with this `FunctionSource.key`, or None if it was not called."""
-        known = [*self._known.values()]
+        """Return the function with this `FunctionSource.key` that was called or prepared, or None."""
+        known = [*self._prepared[1].values(), *self._known.values()]
         return next((one.function for one in known if one.source.key == key and one.rewritten is not None), None)
 
     def call(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:

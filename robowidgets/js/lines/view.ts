@@ -22,6 +22,7 @@ const MOVES: Record<string, number> = { ArrowDown: 1, ArrowUp: -1 };
 const WIDEST = 56;
 /** Pixels; a pointer that moves less on a number only shows its slider. */
 const DRAG_PX = 3;
+const IN_CELL = "in the cell now; the robot has this version already";
 /** The keys that change a focused number. Arrows to the left and right go to the next one. */
 const UPRIGHT = new Set(["ArrowUp", "ArrowDown", "PageUp", "PageDown"]);
 
@@ -104,19 +105,24 @@ export class LinesView {
 
   #draw(): void {
     const frame = this.#stream.shown;
-    const step = this.#step_;
+    let step = this.#step_;
     const { mode = "running", version, failure = "" } = this.#stream.about as LinesAbout;
     const isFolded = this.#model.get("folded");
     const { paused } = this.#stream;
-    const code = this.#codes.of(frame?.key);
+    const newest = this.#model.get("_code");
+    // A version that has made no step yet, such as while Stop is active, is shown without values.
+    const isAhead = mode === "replaced" && !paused && newest.key !== frame?.key;
+    const code = isAhead ? newest : this.#codes.of(frame?.key);
     const { span } = this.#recorded;
     this.#card.canFreeze = !span;
     this.#recorded.drawButton();
     // A function of samples has no steps before the one on show.
     const number = step?.number ? [`step ${toCount(step.number)}`] : [];
     const time = step && (step.calls.length || !span) ? [`${toFixed(step.time, 2)} s`] : [];
-    const facts = step ? [...number, ...time] : [];
-    const said = mode === "running" ? "" : mode === "replaced" ? "a newer version drives" : mode;
+    const facts = step && !isAhead ? [...number, ...time] : [];
+    if (step && isAhead) step = { ...step, calls: [], given: [] };
+    const said =
+      mode === "running" ? "" : mode !== "replaced" ? mode : isAhead ? "no step yet" : "a newer version is in force";
     this.#card.update(
       [version ? `v${code.version ?? version}` : "", ...facts, said, isFolded ? summaryOf(step, code) : ""],
       "step",
@@ -141,7 +147,7 @@ export class LinesView {
     const rays = pointedRays(this.#stream.robot);
     const { chosen } = this.#recorded;
     for (const section of this.#sections) {
-      section.update(step, failure || (span && this.#sections.length === 1 ? "-" : ""));
+      section.update(step, failure || ((span || isAhead) && this.#sections.length === 1 ? "-" : ""));
       section.mark(step, rays, chosen);
     }
     if (span) this.#drawDrive(step, span);
@@ -159,9 +165,11 @@ export class LinesView {
     const isOnLiteral =
       focused !== null && this.#change.place !== null && focused === this.#literalAt(this.#change.place);
     const isInChange = this.#change.root.contains(focused);
-    this.#sections = functions.map(
-      (one) => new Section(one, functions.length > 1, (section) => this.#putIntoCell(section)),
-    );
+    this.#sections = functions.map((one) => {
+      const section = new Section(one, functions.length > 1, () => this.#putIntoCell(section));
+      if (one.changed && this.#inCells.get(one.name)?.join() === one.changed.join()) section.sayOfCell(IN_CELL);
+      return section;
+    });
     this.#table.ariaLabel = `lines of ${code.name ?? "the program"}`;
     const longest = Math.max(0, ...functions.flatMap(({ texts }) => texts.map(({ length }) => length)));
     this.#table.style.setProperty("--rw-code-width", `${Math.min(WIDEST, longest) + 1}ch`);
@@ -306,7 +314,7 @@ export class LinesView {
     const befores = [this.#inCells.get(name) ?? cell, cell, changed];
     if (befores.some((before) => replaceIn(editors, before, changed))) {
       this.#inCells.set(name, changed);
-      section.sayOfCell("in the cell now; the robot has this version already");
+      section.sayOfCell(IN_CELL);
       return;
     }
     const isCopied = await copyText(changedLines(cell, changed));
@@ -489,7 +497,7 @@ class Section {
   readonly #start: number;
 
   /** @param putIntoCell called when the changed lines are to be put into the cell */
-  constructor(code: FunctionCode, isNamed: boolean, putIntoCell: (section: Section) => void) {
+  constructor(code: FunctionCode, isNamed: boolean, putIntoCell: () => void) {
     this.code = code;
     this.root.role = "rowgroup";
     if (isNamed) this.root.ariaLabel = code.name;
@@ -503,7 +511,7 @@ class Section {
     setHidden(this.#why, !code.why);
     this.root.append(this.#why, ...this.rows.map(({ root }) => root), this.#cell);
     setHidden(this.#cell, !code.changed);
-    if (code.changed) this.#offerCell(() => putIntoCell(this));
+    if (code.changed) this.#offerCell(putIntoCell);
   }
 
   #offerCell(onClick: () => void): void {

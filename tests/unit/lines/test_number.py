@@ -285,9 +285,13 @@ def test_a_number_drives_while_stop_is_latched_only_after_its_release(drag: Drag
     drag.try_("0.45")
     drag.send("put", text="0.45")
     assert drag.until("driving")["note"] == "stop is latched"
+    wait_for(lambda: drag.code["key"] == "go 2", "the page has the source of a version that made no step")
+    drag.try_("0.4", "0.45")
+    drag.send("put", "0.45", "0.4")
+    wait_for(lambda: program.version.number == 3, "it is changed once more")
     assert (program.steps, program.returned.linear, drag.robot.stopped) == (steps, 0.0, True)
     drag.robot.stopped = False
-    wait_for(lambda: program.returned.linear == 0.45, "it drives")
+    wait_for(lambda: program.returned.linear == 0.4, "it drives")
 
 
 def test_a_change_is_in_the_list_of_events(drag: Dragging) -> None:
