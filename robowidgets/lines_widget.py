@@ -113,7 +113,7 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
         self._programs.keep_inputs(self, is_on=not self.folded)
 
     def _mark_trial(self) -> None:
-        """Get the state of a trial sent. The thread of the trials calls this."""
+        """Mark this widget for the pacer, which sends the state of a trial. The thread of the trials calls this."""
         pacer.mark(self)
 
     def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:

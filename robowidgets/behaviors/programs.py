@@ -95,7 +95,7 @@ class Programs(Observed):
         return program
 
     def change(self, before: Version, after: Version) -> Version:
-        """Let the current program go on with another version, and return it with its number.
+        """Put another version into the current program, and return it with its number.
 
         Args:
             before: the version that it was made from.

@@ -117,7 +117,7 @@ def functions_in(function: Function) -> list[Function]:
 
 
 def steps_to_try(steps: Sequence[KeptStep], asks_for: Sequence[str], most: int) -> tuple[list[KeptStep], str]:
-    """Return the last steps on which a version can be tried, and a reason if there are none.
+    """Return the last steps on which a version can be tried, or the reason why it cannot be tried.
 
     Args:
         steps: kept steps, oldest first.

@@ -185,7 +185,7 @@ class ChangedNumber:
         return exchanged(press.version.function, press.function, changed.function), changed
 
     def _work(self, known: _Try) -> Iterator[None]:
-        """Make the steps with the number that is tried, and before the first number those of the version itself."""
+        """Make the steps with the number that is tried, and before the first number the steps of the version itself."""
         press = known.press
         known.found, known.new = ComparedSteps(), []
         try:

@@ -94,7 +94,7 @@ test("no cell changes if none or several have the lines, or if it is read-only",
   assert.equal(replaceIn([editorOf(text, true)], BEFORE, AFTER), false);
 });
 
-test("the state of a number is said in words", () => {
+test("the state of a number has words", () => {
   const effect = { press: "a", text: "0.3", steps: 200, seconds: 9.96, otherwise: 12, failed: 0 };
   assert.equal(wordsOf({ ...effect, state: "tried" }), "another speed in 12 of 200 steps of the last 10.0 s");
   assert.equal(

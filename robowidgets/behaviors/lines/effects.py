@@ -32,7 +32,7 @@ _PURE_BUILTINS = frozenset((
 ))  # fmt: skip
 _CLASSES = (Drive, Ray, Scan, Sector)
 _COPIED = ("state", "variables")
-"""Parameters of which a trial gets a copy."""
+"""Parameters that a trial gets as copies."""
 _MISSING = object()
 _MOST_ENTRIES = 1000
 """Entries of a list outside of a function that are looked at."""

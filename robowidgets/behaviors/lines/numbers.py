@@ -86,7 +86,7 @@ class _Found(NamedTuple):
 
 
 def numbers_in(function: Callable[..., Any]) -> list[Number]:
-    """Return the numbers in the source of a function, from top to bottom. Without a source there are none."""
+    """Return the numbers in the source of a function, from top to bottom, or an empty list without a source."""
     try:
         code, lines = source_of(function)
         with without_warnings(code.co_filename):
@@ -172,7 +172,7 @@ def _set_default(inner: FunctionType, default: int | str | None, value: float) -
 
 
 def _remember(file: str, lines: list[str]) -> None:
-    """Let tracebacks, `inspect` and the rewriting of lines find a source. Later ones replace the oldest."""
+    """Store a source for tracebacks, `inspect` and the rewriting of lines. Later ones replace the oldest."""
     linecache.cache[file] = sum(map(len, lines)), None, lines, file
     if file not in _files:
         _files.append(file)

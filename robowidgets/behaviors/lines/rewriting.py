@@ -145,7 +145,7 @@ class Definition(NamedTuple):
     Attributes:
         tree: the parsed source.
         node: the definition, or a lambda.
-        same: among the codes of its name on its line, the positions of those that do the same.
+        same: among the codes of its name on its line, the positions of the codes that do the same.
         is_alone: True if the tree has only its statement.
     """
 

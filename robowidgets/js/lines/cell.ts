@@ -10,7 +10,7 @@ interface Change {
   insert: string;
 }
 
-/** How CodeMirror keeps an editor at its element; `cmTile` since its version 6.39. */
+/** The element of CodeMirror that refers to its editor: `cmTile` since its version 6.39. */
 type Content = Element & { cmView?: { rootView?: { view?: Editor } }; cmTile?: { root?: { view?: Editor } } };
 
 /** Returns the editors of the page. A host that shows a widget in a frame of its own has none. */
