@@ -22,6 +22,7 @@ SLICE_S = 0.004
 """Seconds of work at a time, in which the steps of the running program may have to wait."""
 PAUSE_S = 0.012
 """Seconds between two slices, in which everything else has the processor."""
+_NO_RETURN = f"a step has not returned for {TRIAL.late:g} s"
 MOST_SLICES = 1000
 """Slices of one trial. A slow version is tried on fewer steps."""
 
@@ -136,11 +137,7 @@ class Trials:
             if not self._runner.is_late or not isinstance(job, TrialJob):
                 return
             where = self._runner.where(getattr(job.function, "current", job.function)).removeprefix(", ")
-            job.error = (
-                f"{where}: a step has not returned for half a second"
-                if where
-                else ("a step has not returned for half a second")
-            )
+            job.error = f"{where}: {_NO_RETURN}" if where else _NO_RETURN
             self._runner.detach()
             self._end(job)
             self._runner.wake()

@@ -195,6 +195,7 @@ class ChangedNumber:
             return
         if press.why:
             return
+        yield  # compiling a long source has taken some time of this slice
         asks_for = press.version.asks_for
         if press.old is None:
             old = []

@@ -89,7 +89,7 @@ def test_a_number_is_tried_without_driving_and_drives_when_it_is_let_go(drag: Dr
     program = drag.start(go)
     before = program.version
     tried = drag.try_("0.45")
-    assert (tried["state"], tried["failed"], program.version) == ("tried", 0, before)
+    assert (tried["state"], tried.get("failed"), program.version) == ("tried", 0, before), str(tried)
     assert tried["steps"] >= 10
     assert tried["otherwise"] in (tried["steps"] // 2, tried["steps"] - tried["steps"] // 2)
     (forward,) = tried["axes"]
@@ -153,7 +153,7 @@ def test_a_number_with_which_a_step_hangs_is_refused_and_the_old_one_drives_on(d
     program = drag.start(hangs)
     refused = drag.try_("0.9")
     assert refused["state"] == "refused"
-    assert "a step has not returned for half a second" in refused["why"]
+    assert "a step has not returned for 1.5 s" in refused["why"]
     drag.send("put", text="0.9")
     steps = program.steps
     wait_for(lambda: program.steps > steps + 3, "it goes on")

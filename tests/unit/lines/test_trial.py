@@ -226,13 +226,13 @@ def test_a_trial_that_hangs_is_abandoned_with_its_line_and_the_next_one_is_done(
 
     hung = bench.ask("number", work(), hangs)
     assert began.wait(120)
-    bench.clock.advance(0.5, hangs=("robowidgets-trial",))
+    bench.clock.advance(1.6, hangs=("robowidgets-trial",))
     wait_for(lambda: bench.over == [hung], "the trial is over")
     after = bench.ask("number", iter([1, 2]))
     wait_for(lambda: bench.over == [hung, after], "the next trial is done")
     gate.set()
     assert "line" in hung.error
-    assert "has not returned for half a second" in hung.error
+    assert "has not returned for 1.5 s" in hung.error
     assert after.error == ""
 
 
