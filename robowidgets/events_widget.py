@@ -297,7 +297,8 @@ class EventsWidget(RobotWidget[Event]):
             version, error = program.version, program.error
             said = []
             if version is not self._version:
-                said.append(Event(f"version {version.number}", source=program.name))
+                change = f": {version.change}" if version.change else ""
+                said.append(Event(f"version {version.number}{change}", source=program.name))
             machine = version.function
             if isinstance(machine, Machine):
                 fired = machine.last_step.fired

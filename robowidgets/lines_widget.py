@@ -6,11 +6,16 @@ import json
 from collections import deque
 from typing import Any
 
+from .behaviors.lines.numbers import numbers_in
 from .behaviors.lines.packed import Totals, calls_by_function, packed_function, packed_step, spread
-from .behaviors.lines.watch import WatchedStep
+from .behaviors.lines.watch import WatchedCall, WatchedStep
 from .behaviors.program import Program
 from .behaviors.program_view import ProgramView
+from .behaviors.trials import Trials
+from .behaviors.version import Version
+from .lines.number import ChangedNumber
 from .lines.traits import LinesTraits
+from .lines.versions import ComparedVersions
 from .widget.pacer import pacer
 
 MOST_BETWEEN = 6
@@ -62,8 +67,18 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
         self._named = ""
         """The name of the program in its title."""
         self._mode: tuple[Any, ...] = ()
+        self._in_force: tuple[str, Version] | None = None
+        """The name of the program, and the version, of the last step that was taken."""
+        self._changed_number: ChangedNumber | None = None
+        self._compared_versions: ComparedVersions | None = None
         super().__init__(robot, **kwargs)
+        self._trials = Trials()
+        self._changed_number = ChangedNumber(self._programs, self._trials, self._mark_trial)
+        self._compared_versions = ComparedVersions(self._trials, self._mark_trial)
+        self.on_msg(self._on_page)
         self._queue = self._programs.watch_lines()
+        self.observe(self._on_folded, "folded")
+        self._on_folded()
         self._source = {"robot": self._robot, "status": "waiting for a step of a program"}
         self._follow_programs()
 
@@ -76,7 +91,10 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
     def close(self) -> None:
         """Remove the widget from the page; the program goes on."""
         if "_programs" in vars(self):  # else the constructor raised before it set them
+            self._programs.keep_inputs(self, is_on=False)
             self._programs.unwatch_lines(self._queue)
+        if "_trials" in vars(self):
+            self._trials.close()
         super().close()
 
     def _describe(self) -> str:
@@ -91,10 +109,33 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
             self.name_after(program.name)
         pacer.mark(self)
 
+    def _on_folded(self, _change: Any = None) -> None:
+        self._programs.keep_inputs(self, is_on=not self.folded)
+
+    def _mark_trial(self) -> None:
+        """Mark this widget for the pacer, which sends the state of a trial. The thread of the trials calls this."""
+        pacer.mark(self)
+
+    def _on_page(self, _widget: Any, content: Any, _buffers: Any) -> None:
+        """Handle a message about a number, in the main thread or in a subshell's. It does not wait."""
+        if self._changed_number is None or not isinstance(content, dict) or "number" not in content:
+            return
+        try:
+            self._changed_number.on_page({**content, "act": content["number"]})
+        except ValueError as error:
+            self._log_once(str(error))
+
+    def _send_trials(self) -> None:
+        for name, trial in (("_number", self._changed_number), ("_compared", self._compared_versions)):
+            if trial is not None and trial.state != self._trait_values.get(name):
+                self._trait_values[name] = trial.state
+                self.send_state(name)
+
     def _bring_up_to_date(self) -> None:
         """See `FreezableWidget`: take the steps that came, first."""
         with self._send_lock:
             self._take_steps()
+            self._send_trials()
             super()._bring_up_to_date()
 
     def _take_steps(self) -> None:
@@ -105,10 +146,13 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
         if program is not None:
             self._tell_mode(program)
         if not steps:
+            if program is not None:
+                self._show_prepared(program)
             return
         newest = steps[-1]
         if newest.program != self._version:
             self._version, self._totals, self._functions = newest.program, Totals(), {}
+            self._compare(program)
         steps = [step for step in steps if step.program == self._version]
         self._totals.add(steps)
         self._between = [*self._between, *steps]
@@ -116,6 +160,18 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
         with self._newest.lock:
             self._newest.put(newest, {}, counts=True)
             self._newest.arrived = newest.at
+
+    def _compare(self, program: Program | None) -> None:
+        """Compare a version that has made its first step with the one before."""
+        if program is None:
+            return
+        before, self._in_force = self._in_force, (program.name, program.version)
+        name, version = self._in_force
+        kept = self._programs.kept
+        if self._compared_versions is None or kept is None or self.folded or (name, version.number) != self._version:
+            return
+        if before is not None and before[0] == name and before[1].number < version.number:
+            self._compared_versions.compare(name, before[1], version, kept, program.step_time)
 
     def _tell_mode(self, program: Program) -> None:
         """Show that a program waits, has failed or has ended, though no step came."""
@@ -128,21 +184,42 @@ class LinesWidget(LinesTraits, ProgramView[WatchedStep]):
             with self._newest.lock:
                 self._newest.changed = True
 
+    def _show_prepared(self, program: Program) -> None:
+        """Show the source of a version that makes no step yet, such as while Stop is active."""
+        lines, version = self._programs.lines, program.version
+        name, number = shown = program.name, version.number
+        if lines is None or shown == self._version or self._code.get("key") == f"{name} {number}":
+            return
+        if (call := lines.prepared(shown)) is not None:
+            self._send_code(name, number, [self._describe_function(call, version)])
+
     def _note_functions(self, steps: list[WatchedStep]) -> None:
-        found = len(self._functions)
+        found, version = len(self._functions), self._in_force[1] if self._in_force is not None else None
         for step in steps:
             for call in step.calls:
                 if call.source.key not in self._functions:
-                    self._functions[call.source.key] = packed_function(call)
+                    self._functions[call.source.key] = self._describe_function(call, version)
         name, number = self._version or ("", 0)
         if len(self._functions) != found or self._code.get("key") != f"{name} {number}":
-            self._trait_values["_code"] = {
-                "key": f"{name} {number}",
-                "name": name,
-                "version": number,
-                "functions": sorted(self._functions.values(), key=lambda function: int(function["first"])),
-            }
-            self.send_state("_code")
+            self._send_code(name, number, sorted(self._functions.values(), key=lambda one: int(one["first"])))
+
+    def _send_code(self, name: str, number: int, functions: list[dict[str, Any]]) -> None:
+        key = f"{name} {number}"
+        self._trait_values["_code"] = {"key": key, "name": name, "version": number, "functions": functions}
+        self.send_state("_code")
+
+    def _describe_function(self, call: WatchedCall, version: Version | None) -> dict[str, Any]:
+        """Return the source of a function with its numbers, and its lines as they stand in the cell if they differ."""
+        described, source, lines = packed_function(call), call.source, self._programs.lines
+        function = lines.function_of(source.key) if lines is not None else None
+        described["numbers"] = [] if function is None else [[*number] for number in numbers_in(function)]
+        if version is not None and version.written:
+            part = slice(source.first - 1, source.first - 1 + len(source.texts))
+            cell, now = (text.split("\n")[part] for text in (version.written, version.text))
+            if cell != now:
+                described["cell"] = cell
+                described["changed"] = now
+        return described
 
     def _about_sample(self, sample: WatchedStep) -> dict[str, Any]:
         program = self._programs.current

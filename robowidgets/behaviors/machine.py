@@ -210,6 +210,10 @@ class Machine:
         """Return the progress of the machine, for its next version."""
         return MachineProgress(dict(self._states), self.fired, self._left, dict(self._marks), self._is_new)
 
+    def continue_from(self, progress: MachineProgress) -> None:
+        """Continue in the states of another machine of the same class, which goes on by itself."""
+        self._states, self._marks, self._is_new = {**progress.states}, {**progress.marks}, progress.is_new
+
     def fresh(self) -> Machine:
         """Return a new machine of the same class, in its initial state."""
         return Machine(self.cls)

@@ -174,6 +174,32 @@ class Program(Observed):
             self._start()
         self._call_observers()
 
+    def change(self, before: Version, version: Version) -> None:
+        """Run another version from the next step on, unlike `replace` only if the program is running.
+
+        Args:
+            before: the version that it was made from.
+            version: the other one, with the same parameters, topics and rate.
+
+        Raises:
+            RuntimeError: a third version is in force, or the program has ended.
+        """
+        with self._lock:
+            self._check_not_ended()
+            if self.version is not before:
+                raise RuntimeError(f"version {self.version.number} of {self.name} is in force now")
+            self.version, self._since = version, self._now()
+            is_running = self.mode == RUNNING
+            if self._runner.current is not None or not is_running:
+                self._detach()
+            if is_running:
+                self._log = LogOnce(partial(self._say, log.warning))
+                self._start()
+            else:
+                self.mode, self.error = PAUSED, ""
+                self.note = f"version {version.number} drives after Run"
+        self._call_observers()
+
     def run(self) -> None:
         """Continue after a pause or an error."""
         with self._lock:

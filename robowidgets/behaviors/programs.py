@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextvars import copy_context
+from dataclasses import replace
 from itertools import count
 from typing import Any
 from weakref import WeakSet
@@ -14,6 +15,7 @@ from ..runtime.inform import inform
 from ..runtime.user_function import calling_text
 from ..widget.observed import Observed
 from ._parameters import parameters_of, program_name
+from .kept_steps import KeptSteps
 from .lines.watch import LineWatch, WatchedStep
 from .machine import Machine
 from .program import ENDED, RUNNING, Program
@@ -44,6 +46,10 @@ class Programs(Observed):
         self.current: Program | None = None
         self.lines: LineWatch | None = None
         """Notes the values of the lines of each step, for the widgets that show them; None without any."""
+        self.kept: KeptSteps | None = None
+        """The inputs of the last steps, or None if no view asks for them."""
+        self._keepers: set[int] = set()
+        """The ids of the views that ask for them."""
         self._known: dict[str, Program] = {}
         self.reports: deque[tuple[int, str]] = deque(maxlen=MAX_REPORTS)
         self._report_numbers = count()
@@ -87,6 +93,37 @@ class Programs(Observed):
         on_cell_error(_name_running)
         self._call_observers()
         return program
+
+    def change(self, before: Version, after: Version) -> Version:
+        """Put another version into the current program, and return it with its number.
+
+        Args:
+            before: the version that it was made from.
+            after: the other one, with the same parameters, topics and rate. The function of a state machine is another
+                one, which continues in the same states.
+
+        Raises:
+            RuntimeError: a third version is in force, or the program has ended.
+        """
+        program = self.current
+        if program is None or program.version is not before:
+            raise RuntimeError("another version is in force now")
+        version = replace(after, number=before.number + 1)
+        if isinstance(version.function, Machine) and isinstance(before.function, Machine):
+            version.function.adopt(before.function)
+        if self.lines is not None:
+            self.lines.prepare((program.name, version.number), version.function)
+        program.change(before, version)
+        self.variables.begin_version()
+        self._call_observers()
+        return version
+
+    def keep_inputs(self, view: object, *, is_on: bool) -> None:
+        """Keep the inputs of the last steps as long as a view asks for them, so that other versions can be tried."""
+        self._keepers = {*self._keepers, id(view)} if is_on else self._keepers - {id(view)}
+        self.kept = (self.kept or KeptSteps()) if self._keepers else None
+        if self.lines is not None:
+            self.lines.keep = None if self.kept is None else self.kept.add
 
     def watch_lines(self) -> deque[WatchedStep]:
         """Note the values of the lines, and return a queue that gets each step from now on."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeGuard
 
@@ -70,6 +70,13 @@ class Variables(Observed):
     _table: dict[str, Variable]
     _edited: set[str]
     """The sliders whose first value has changed since the newest version of a program."""
+
+    @classmethod
+    def restored(cls, table: Mapping[str, Variable]) -> Variables:
+        """Return variables that are as they were when their `table` was read."""
+        made = cls()
+        made._table.update(table)
+        return made
 
     def slider(self, name: str, value: float, low: float, high: float, unit: str = "") -> None:
         """Declare a number with a slider.

@@ -30,7 +30,8 @@ class Version:
 
     ``asks_for`` are the parameters of the function, and ``topics`` the topics that the user named for some of them. The
     program steps ``rate`` times a second, or on each message of the topic ``on``. ``text`` is the text of the cell or
-    file of the function, and ``cell`` the run of the cell that made the version.
+    file of the function, and ``cell`` the run of the cell that made the version. If a number was changed on the page,
+    ``written`` is the text as it still stands in the cell, and ``change`` is the change as text; else both are empty.
     """
 
     function: Callable[..., Any]
@@ -41,3 +42,5 @@ class Version:
     number: int = 1
     text: str = ""
     cell: CellRun = ("", "")
+    written: str = ""
+    change: str = ""

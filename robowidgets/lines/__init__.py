@@ -1,1 +1,1 @@
-"""The lines of a program over a recording, on the page."""
+"""The lines of a program on the page: over a recording, numbers that are changed, and versions that are compared."""

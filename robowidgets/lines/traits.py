@@ -28,3 +28,9 @@ class LinesTraits(NamedWidget):
     _offer = traitlets.Unicode(help="The text of a button that computes the values; empty without one.").tag(
         sync=True, echo_update=False
     )
+    _number = traitlets.Dict(help="The number that the page changes, and its effect; empty without one.").tag(
+        sync=True, echo_update=False
+    )
+    _compared = traitlets.Dict(help="The steps in which a new version decides otherwise; empty without one.").tag(
+        sync=True, echo_update=False
+    )

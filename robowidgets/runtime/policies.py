@@ -45,6 +45,9 @@ FUNCTION = Policy(late=1.0, look=1.0)
 STEP = Policy(late=0.45, look=0.025, max_gap=0.1, grace=0.5)
 """A step of a program. If it is late, it is detached, the robot gets zero, and the program has failed."""
 
+TRIAL = Policy(late=1.5, look=0.1, max_gap=0.1, grace=0.1)
+"""Steps of another version on inputs of the past. If one is late, it is detached, and the trial is over."""
+
 ANSWER = STEP
 """An answer to a task of a lesson, for a robot. If it is late, it is ended, and the answer is wrong."""
 

@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import CodeType, FunctionType, MethodType
-from typing import Any
+from typing import Any, NamedTuple
 
 from .places import COMPARE, EFFECT, MARK, OPERAND, PASS, RAYS, TEST, VALUE, FunctionSource, Loop, NotedPlace, Operand
 
@@ -33,6 +33,7 @@ READS_RAYS = ("distance", "nearest", "at")
 MOST_EXTRAS = 2
 _NOTES = tuple(f"\0robowidgets note {number}\0" for number in range(2 * (MOST_EXTRAS + 1)))
 """Constants that stand for the functions that note, in the order of `Notes`, until the code is bound to them."""
+_MOST_PARSES = 5
 _FUTURES = sum({getattr(__future__, name).compiler_flag for name in __future__.all_feature_names} - {0x10, 0})
 """The flags of code that say which ``from __future__`` imports are in force."""
 _GENERATOR, _COROUTINE, _ASYNC_GENERATOR = 0x20, 0x80, 0x200
@@ -79,17 +80,7 @@ class Rewritten:
         inner = function_in(self.function)
         by_name: dict[str, Any] = dict(zip(_NOTES, notes, strict=True))
         constants = tuple(by_name.get(one, one) if type(one) is str else one for one in self.code.co_consts)
-        made = FunctionType(
-            self.code.replace(co_consts=constants),
-            inner.__globals__,
-            inner.__name__,
-            inner.__defaults__,
-            inner.__closure__,
-        )
-        made.__kwdefaults__ = inner.__kwdefaults__
-        made.__qualname__, made.__module__, made.__doc__ = inner.__qualname__, inner.__module__, inner.__doc__
-        vars(made).update(vars(inner))
-        return _with(self.function, made)
+        return with_function(self.function, like(inner, self.code.replace(co_consts=constants)))
 
 
 def rewritten(function: Callable[..., Any]) -> Rewritten:
@@ -97,6 +88,17 @@ def rewritten(function: Callable[..., Any]) -> Rewritten:
 
     Raises:
         NotRewrittenError: it cannot be rewritten; the text says why.
+    """
+    code, lines = source_of(function)
+    with without_warnings(code.co_filename):
+        return _rewritten(function, code, lines)
+
+
+def source_of(function: Callable[..., Any]) -> tuple[CodeType, list[str]]:
+    """Return the code of a function, and the lines of its cell or file.
+
+    Raises:
+        NotRewrittenError: the source does not belong to the function; the text says why.
     """
     inner = function_in(function)
     code = inner.__code__
@@ -109,12 +111,11 @@ def rewritten(function: Callable[..., Any]) -> Rewritten:
     lines = linecache.getlines(code.co_filename, inner.__globals__)
     if not lines or code.co_filename == "<string>":  # by this name Python 3.13 knows the text of `python -c`
         raise NotRewrittenError("its source is not known")
-    with _without_warnings(code.co_filename):
-        return _rewritten(function, code, lines)
+    return code, lines
 
 
 @contextmanager
-def _without_warnings(file: str) -> Iterator[None]:
+def without_warnings(file: str) -> Iterator[None]:
     """Ignore the warnings about the source of a file: Python has warned when the user's own code was compiled.
 
     `warnings.catch_warnings` restores all filters at its end. If another thread uses it at the same time, the filters
@@ -127,20 +128,53 @@ def _without_warnings(file: str) -> Iterator[None]:
         yield
     finally:
         in_force: Any = warnings.filters  # another thread may have put a copy in force
-        for each in (filters, in_force):
-            if ours in each:
+        for each in (filters, *([in_force] if in_force is not filters else [])):
+            if ours in each:  # another thread may have an equal one
                 each.remove(ours)
 
 
-def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str]) -> Rewritten:
+def shown_lines(lines: Iterable[str]) -> tuple[str, ...]:
+    """Return lines of a source as views show them, without their common indentation."""
+    # Not splitlines(), for which a line ends at a form feed, too.
+    return tuple(textwrap.dedent("".join(lines)).expandtabs(4).rstrip("\n").split("\n"))
+
+
+class Definition(NamedTuple):
+    """The definition of a function in the parsed source of its cell or file.
+
+    Attributes:
+        tree: the parsed source.
+        node: the definition, or a lambda.
+        same: among the codes of its name on its line, the positions of the codes that do the same.
+        is_alone: True if the tree has only its statement.
+    """
+
+    tree: ast.Module
+    node: Any
+    same: list[int]
+    is_alone: bool = False
+
+
+def parsed(lines: Sequence[str], file: str) -> ast.Module:
+    """Return a parsed source. Python 3.11 raises SystemError if two threads parse at once, so it is tried again."""
+    for _ in range(_MOST_PARSES - 1):
+        try:
+            return ast.parse("".join(lines), file)
+        except SystemError:  # noqa: PERF203
+            continue
+    return ast.parse("".join(lines), file)
+
+
+def definition_of(code: CodeType, lines: Sequence[str]) -> Definition:
+    """Return the definition of a function in the lines of its cell or file; NotRewrittenError if it is not there."""
     changed = NotRewrittenError("its source has changed since it was defined")
     try:
-        whole = ast.parse("".join(lines), code.co_filename)
+        whole = parsed(lines, code.co_filename)
     except (SyntaxError, ValueError, RecursionError):
         raise changed from None
     # A notebook compiles each statement of a cell by itself, and what Python makes of a call depends on imports.
-    for tree in (whole, _only(whole, code.co_firstlineno)):
-        there = _codes_like(code, _compiled(tree, code))
+    for tree in (whole, statement_at(whole, code.co_firstlineno)):
+        there = codes_like(code, compiled(tree, code, code.co_filename))
         if same := [i for i, one in enumerate(there) if _is_same(one, code)]:
             break
     else:
@@ -149,11 +183,17 @@ def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str
     nodes.sort(key=lambda node: (node.lineno, node.col_offset))
     if len(nodes) > 1 and len(nodes) != len(there):
         raise NotRewrittenError("several functions of its name are on its line")
-    node = nodes[0] if len(nodes) == 1 else nodes[same[0]]
+    return Definition(tree, nodes[0] if len(nodes) == 1 else nodes[same[0]], same, tree is not whole)
+
+
+def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str]) -> Rewritten:
+    tree, node, same, _ = definition_of(code, lines)
     rewriter = _Rewriter(code, lines)
     rewriter.rewrite(node)
     ast.fix_missing_locations(tree)
-    noting = [(i, one) for i, one in enumerate(_codes_like(code, _compiled(tree, code))) if _is_noting(one)]
+    noting = [
+        (i, one) for i, one in enumerate(codes_like(code, compiled(tree, code, code.co_filename))) if _is_noting(one)
+    ]
     # A function without any place, such as one that only has a docstring, is as it was.
     number, made = noting[0] if noting else (same[0], code)
     if number not in same:  # a lambda in the defaults of another one is compiled first, and stands after its beginning
@@ -161,13 +201,12 @@ def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str
     if made.co_freevars != code.co_freevars or made.co_varnames != code.co_varnames:
         raise NotRewrittenError("its variables would change")
     first, end = code.co_firstlineno, node.end_lineno or code.co_firstlineno
-    # Not splitlines(), for which a line ends at a form feed, too.
-    texts = textwrap.dedent("".join(lines[first - 1 : end])).expandtabs(4).rstrip("\n").split("\n")
+    texts = shown_lines(lines[first - 1 : end])
     source = FunctionSource(
         code.co_name,
         code.co_filename,
         first,
-        tuple(texts),
+        texts,
         tuple(rewriter.places),
         tuple(rewriter.loops),
         rewriter.reach_of_lines(first, end, lines),
@@ -190,16 +229,25 @@ def function_in(function: Any) -> FunctionType:
     raise NotRewrittenError("it is not written in Python")
 
 
-def _with(function: Any, made: FunctionType) -> Callable[..., Any]:
+def like(inner: FunctionType, code: CodeType) -> FunctionType:
+    """Return a function with another code, and otherwise as a function is: its globals, defaults and closure."""
+    made = FunctionType(code, inner.__globals__, inner.__name__, inner.__defaults__, inner.__closure__)
+    made.__kwdefaults__ = inner.__kwdefaults__
+    made.__qualname__, made.__module__, made.__doc__ = inner.__qualname__, inner.__module__, inner.__doc__
+    vars(made).update(vars(inner))
+    return made
+
+
+def with_function(function: Any, made: FunctionType) -> Callable[..., Any]:
     """Return the callable with another Python function in it."""
     if isinstance(function, functools.partial):
-        return functools.partial(_with(function.func, made), *function.args, **function.keywords)
+        return functools.partial(with_function(function.func, made), *function.args, **function.keywords)
     if isinstance(function, MethodType):
         return MethodType(made, function.__self__)
     return made if isinstance(function, FunctionType) else MethodType(made, function)
 
 
-def _only(tree: ast.Module, line: int) -> ast.Module:
+def statement_at(tree: ast.Module, line: int) -> ast.Module:
     """Return the statement at a line of a file, with the imports from ``__future__``."""
 
     def is_kept(node: ast.stmt) -> bool:
@@ -209,10 +257,11 @@ def _only(tree: ast.Module, line: int) -> ast.Module:
     return ast.Module([node for node in tree.body if is_kept(node)], [])
 
 
-def _compiled(tree: ast.Module, code: CodeType) -> CodeType:
+def compiled(tree: ast.Module, code: CodeType, file: str) -> CodeType:
+    """Compile a source as the source of a code was compiled, as a file of this name."""
     flags = code.co_flags & _FUTURES | ast.PyCF_ALLOW_TOP_LEVEL_AWAIT
     try:
-        compiled: CodeType = compile(tree, code.co_filename, "exec", flags, dont_inherit=True)
+        compiled: CodeType = compile(tree, file, "exec", flags, dont_inherit=True)
     except (SyntaxError, ValueError, RecursionError) as error:
         raise NotRewrittenError(f"its source does not compile by itself: {error}") from None
     return compiled
@@ -226,14 +275,14 @@ def _is_at(node: ast.AST, code: CodeType) -> bool:
     return isinstance(node, ast.Lambda) and code.co_name == "<lambda>" and node.lineno == code.co_firstlineno
 
 
-def _codes_like(code: CodeType, within: CodeType) -> list[CodeType]:
+def codes_like(code: CodeType, within: CodeType) -> list[CodeType]:
     """Return the code objects with the same name and first line, from top to bottom."""
     found = []
     for one in within.co_consts:
         if isinstance(one, CodeType):
             if (one.co_name, one.co_firstlineno) == (code.co_name, code.co_firstlineno):
                 found.append(one)
-            found += _codes_like(code, one)
+            found += codes_like(code, one)
     return found
 
 

@@ -49,6 +49,7 @@ _NUMPY_SCALARS = tuple(
     kind for kind in {*np.sctypeDict.values()} if issubclass(kind, (np.bool_, np.integer, np.floating))
 )
 _KEPT: set[int] = {id(kind) for kind in (float, int, bool, type(None), complex, Scan, Ray, Sector)}
+_PLAIN = {id(kind) for kind in (float, int, bool, type(None), complex)}
 _TEXTS: dict[int, Callable[[Any], str]] = {}
 _SCALARS = {id(kind) for kind in _NUMPY_SCALARS}
 
@@ -57,6 +58,12 @@ def keep(kind: type, text: Callable[[Any], str] = repr) -> None:
     """Keep values of a class of this package as they are, because they cannot change. ``text`` makes their text."""
     _KEPT.add(id(kind))
     _TEXTS[id(kind)] = text
+
+
+def is_kept(kind: type, *, numbers_only: bool = False) -> bool:
+    """Return True for a class whose values are kept as they are, as they cannot change."""
+    number = id(kind)
+    return number in (_PLAIN if numbers_only else _KEPT) or number in _SCALARS
 
 
 def glimpse(value: Any, depth: int = 0) -> Any:

@@ -24,6 +24,10 @@ _SHOWN = (float, int, bool)
 """Types of arguments that are kept with a step."""
 
 
+KeepInputs = Callable[[tuple[str, int], float, Callable[..., Any], Mapping[str, Any]], object]
+"""Takes the name and the number of a version, the seconds of the program, the function and the arguments of a step."""
+
+
 @dataclass(slots=True)
 class WatchedCall:
     """One call of a function in a step.
@@ -76,6 +80,8 @@ class LineWatch:
     def __init__(self) -> None:
         self.is_on = True
         self.newest: WatchedStep | None = None
+        self.keep: KeepInputs | None = None
+        """Keeps the inputs of each step, so that another version can be tried on them; None if no view asks for it."""
         self._views: list[deque[WatchedStep]] = []
         self._known: dict[int, _Known] = {}
         """The functions of the running version, by their id."""
@@ -131,6 +137,8 @@ class LineWatch:
             (prepared, known), self._prepared = self._prepared, (None, {})
             self._version, self._known = program, known if prepared == program else {}
         began = time.monotonic()
+        if self.keep is not None:
+            self.keep(program, made_at[1], function, values)
         try:
             if _calls_functions(function):
                 function.lines = self  # type: ignore[attr-defined]
@@ -143,6 +151,16 @@ class LineWatch:
                 step = self.newest = WatchedStep(program, number, seconds, began, calls, given)
                 for queue in self._views:
                     queue.append(step)
+
+    def prepared(self, program: tuple[str, int]) -> WatchedCall | None:
+        """Return the function of a version that has made no step yet, as a call without values, or None."""
+        of, known = self._prepared
+        return next((WatchedCall(one.source, None, one.why) for one in known.values() if of == program), None)
+
+    def function_of(self, key: str) -> Callable[..., Any] | None:
+        """Return the function with this `FunctionSource.key` that was called or prepared, or None."""
+        known = [*self._prepared[1].values(), *self._known.values()]
+        return next((one.function for one in known if one.source.key == key and one.rewritten is not None), None)
 
     def call(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
         """Call a function of the running step. Its exceptions pass through."""

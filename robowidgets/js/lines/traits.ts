@@ -7,6 +7,67 @@ export interface LinesTraits extends SampleTraits {
   _chosen: ChosenLine;
   /** The text of the button that runs the code; empty without one. */
   _offer: string;
+  _number: ChangedNumber;
+  _compared: ComparedVersions;
+}
+
+/** A number in the source of a function that has a slider, or the reason why it has none. */
+export type NumberCode = [line: number, column: number, text: string, why: string];
+
+/** The number that the page changes, as Python knows it; empty before the first press. */
+export interface ChangedNumber {
+  /** The name that the page gave to the press. */
+  press?: string;
+  text?: string;
+  state?: "trying" | "tried" | "refused" | "driving" | "back";
+  why?: string;
+  /** Proves that the next message is not old. */
+  token?: number;
+  /** The number of the new version, and why it does not drive yet. */
+  version?: number;
+  note?: string;
+  /** The number before. */
+  back?: string;
+  steps?: number;
+  seconds?: number;
+  /** The number of steps with another speed, and with an error. */
+  otherwise?: number;
+  failed?: number;
+  error?: string;
+  axes?: EffectAxis[];
+}
+
+/** The speeds of both versions on the last seconds. */
+export interface EffectAxis {
+  axis: string;
+  unit: string;
+  /** Seconds before the press. */
+  at: number[];
+  old: (number | null)[];
+  new: (number | null)[];
+}
+
+/** The steps in which a version decides otherwise than the one before; empty before a second version. */
+export interface ComparedVersions {
+  key?: string;
+  old?: number;
+  new?: number;
+  why?: string;
+  steps?: number;
+  seconds?: number;
+  otherwise?: number;
+  failed?: number;
+  error?: string;
+  spans?: number;
+  rows?: [
+    from: number,
+    to: number,
+    line: number | null,
+    oldValue: string,
+    newValue: string,
+    old: string,
+    new_: string,
+  ][];
 }
 
 /** The graphs of lines over a recording; empty for a robot that drives now. */
@@ -49,6 +110,11 @@ export interface FunctionCode {
   code: number[];
   /** The reason why it has no values, or empty if it has values. */
   why: string;
+  /** Its numbers, in order; missing over a recording. */
+  numbers?: NumberCode[];
+  /** Its lines as they stand in the cell, and as they are now; missing if they are the same. */
+  cell?: string[];
+  changed?: string[];
 }
 
 /** The facts of the newest step that are not in its frame. */

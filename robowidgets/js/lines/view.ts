@@ -1,3 +1,4 @@
+import { copyText } from "../shared/copy.ts";
 import { make, makeButton, set, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toCount, toFixed } from "../shared/format.ts";
@@ -5,17 +6,25 @@ import { type Lit, light, onPointedRays, type PointedRay, pointedRays, readsOne 
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { SampleCard } from "../shared/sample_card.ts";
 import type { Stream } from "../shared/stream.ts";
+import { changedLines, editorsOf, replaceIn } from "./cell.ts";
+import { NumberChange, type Place } from "./change.ts";
 import type { Codes } from "./codes.ts";
+import { ComparedTable } from "./compared.ts";
 import { drawGraph, SECONDS } from "./graph.ts";
 import { Recorded } from "./recorded.ts";
 import { Row } from "./row.ts";
 import { type Call, type Line, type Step, type Steps, type Trace, tracesOf } from "./steps.ts";
-import type { FunctionCode, LinesAbout, LinesTraits, VersionCode } from "./traits.ts";
+import type { FunctionCode, LinesAbout, LinesTraits, NumberCode, VersionCode } from "./traits.ts";
 
 const STEPS: Record<string, number> = { ",": -1, ".": 1 };
 const MOVES: Record<string, number> = { ArrowDown: 1, ArrowUp: -1 };
 /** The maximum width of code, in characters, with values next to it. */
 const WIDEST = 56;
+/** Pixels; a pointer that moves less on a number only shows its slider. */
+const DRAG_PX = 3;
+const IN_CELL = "in the cell now; the robot has this version already";
+/** The keys that change a focused number. Arrows to the left and right go to the next one. */
+const UPRIGHT = new Set(["ArrowUp", "ArrowDown", "PageUp", "PageDown"]);
 
 /** One view of a program's lines: their code, their values, and their graphs. */
 export class LinesView {
@@ -37,6 +46,12 @@ export class LinesView {
   #lit = "";
   #pointed: { section: Section; line: number } | null = null;
   readonly #recorded: Recorded;
+  readonly #change: NumberChange;
+  readonly #compared: ComparedTable;
+  /** The number that a pointer drags, the place of the press, and its text then. */
+  #drag: { id: number; x: number; from: string; hasMoved: boolean } | null = null;
+  /** The lines that were put into a cell, by function: those that stand there now. */
+  readonly #inCells = new Map<string, string[]>();
 
   constructor(
     model: Model<LinesTraits>,
@@ -56,7 +71,9 @@ export class LinesView {
     this.#card.controls.append(this.#fold);
     this.#table.role = "table";
     this.#recorded = new Recorded(model, this.#card.redraw, signal);
-    this.#card.picture.append(this.#recorded.button, this.#table, this.#empty);
+    this.#change = new NumberChange(model, this.#card.redraw, (place) => this.#literalAt(place)?.focus(), signal);
+    this.#compared = new ComparedTable(model);
+    this.#card.picture.append(this.#recorded.button, this.#table, this.#compared.root, this.#empty);
     this.#card.footer.append(this.#said);
     const { root } = this.#card;
     // Before the listener of the card, which would go from frame to frame and skip the steps between them.
@@ -66,8 +83,14 @@ export class LinesView {
     on(this.#table, "focusin", ({ target }) => this.#point(target), signal);
     on(this.#table, "focusout", () => this.#point(null), signal);
     on(this.#table, "click", ({ target }) => this.#choose(target), signal);
+    on(this.#table, "pointerdown", (event) => this.#onDown(event), signal);
+    on(this.#table, "pointermove", (event) => this.#onMove(event), signal);
+    on(this.#table, "pointerup", (event) => this.#onUp(event), signal);
+    for (const type of ["pointercancel", "lostpointercapture"] as const) {
+      on(this.#table, type, (event) => this.#drag?.id === event.pointerId && this.#cancelDrag(), signal);
+    }
     onPointedRays(this.#card.redraw, signal);
-    onChange(model, ["_code", "folded", "_drive", "_chosen", "_offer"], this.#card.redraw, signal);
+    onChange(model, ["_code", "folded", "_drive", "_chosen", "_offer", "_compared"], this.#card.redraw, signal);
     onAbort(signal, () => this.#point(null));
   }
 
@@ -82,19 +105,24 @@ export class LinesView {
 
   #draw(): void {
     const frame = this.#stream.shown;
-    const step = this.#step_;
+    let step = this.#step_;
     const { mode = "running", version, failure = "" } = this.#stream.about as LinesAbout;
     const isFolded = this.#model.get("folded");
     const { paused } = this.#stream;
-    const code = this.#codes.of(frame?.key);
+    const newest = this.#model.get("_code");
+    // A version that has made no step yet, such as while Stop is active, is shown without values.
+    const isAhead = mode === "replaced" && !paused && newest.key !== frame?.key;
+    const code = isAhead ? newest : this.#codes.of(frame?.key);
     const { span } = this.#recorded;
     this.#card.canFreeze = !span;
     this.#recorded.drawButton();
     // A function of samples has no steps before the one on show.
     const number = step?.number ? [`step ${toCount(step.number)}`] : [];
     const time = step && (step.calls.length || !span) ? [`${toFixed(step.time, 2)} s`] : [];
-    const facts = step ? [...number, ...time] : [];
-    const said = mode === "running" ? "" : mode === "replaced" ? "a newer version drives" : mode;
+    const facts = step && !isAhead ? [...number, ...time] : [];
+    if (step && isAhead) step = { ...step, calls: [], given: [] };
+    const said =
+      mode === "running" ? "" : mode !== "replaced" ? mode : isAhead ? "no step yet" : "a newer version is in force";
     this.#card.update(
       [version ? `v${code.version ?? version}` : "", ...facts, said, isFolded ? summaryOf(step, code) : ""],
       "step",
@@ -106,6 +134,7 @@ export class LinesView {
     for (const button of [this.#back, this.#next]) setHidden(button, !paused || !this.#stream.place);
     setHidden(this.#empty, step !== null);
     setHidden(this.#table, !step);
+    if (!step || isFolded) setHidden(this.#compared.root, true);
     setText(this.#empty, this.#card.waiting("step"));
     this.#card.picture.style.paddingTop = `${this.#card.noticeHeight}px`;
     if (!frame || !step || isFolded) {
@@ -113,10 +142,12 @@ export class LinesView {
       return;
     }
     if (code !== this.#shown) this.#build(code);
+    this.#drawChange();
+    this.#compared.draw(code.key ?? "");
     const rays = pointedRays(this.#stream.robot);
     const { chosen } = this.#recorded;
     for (const section of this.#sections) {
-      section.update(step, failure || (span && this.#sections.length === 1 ? "-" : ""));
+      section.update(step, failure || ((span || isAhead) && this.#sections.length === 1 ? "-" : ""));
       section.mark(step, rays, chosen);
     }
     if (span) this.#drawDrive(step, span);
@@ -130,13 +161,168 @@ export class LinesView {
     this.#shown = code;
     this.#unpoint();
     const functions = code.functions ?? [];
-    this.#sections = functions.map((one) => new Section(one, functions.length > 1));
+    const focused = (this.#card.root.getRootNode() as Document | ShadowRoot).activeElement;
+    const isOnLiteral =
+      focused !== null && this.#change.place !== null && focused === this.#literalAt(this.#change.place);
+    const isInChange = this.#change.root.contains(focused);
+    this.#sections = functions.map((one) => {
+      const section = new Section(one, functions.length > 1, () => this.#putIntoCell(section));
+      if (one.changed && this.#inCells.get(one.name)?.join() === one.changed.join()) section.sayOfCell(IN_CELL);
+      return section;
+    });
     this.#table.ariaLabel = `lines of ${code.name ?? "the program"}`;
     const longest = Math.max(0, ...functions.flatMap(({ texts }) => texts.map(({ length }) => length)));
     this.#table.style.setProperty("--rw-code-width", `${Math.min(WIDEST, longest) + 1}ch`);
     this.#table.replaceChildren(...this.#sections.map(({ root }) => root));
     const [first] = this.#rows;
-    if (first) first.tabIndex = 0;
+    if (first) this.#rove(first);
+    this.#followChange();
+    if (isInChange) (focused as HTMLElement).focus({ preventScroll: true });
+    if (isOnLiteral && this.#change.place) this.#literalAt(this.#change.place)?.focus({ preventScroll: true });
+  }
+
+  /** Lets Tab reach one row, and its numbers. */
+  #rove(to: HTMLElement): void {
+    for (const { rows } of this.#sections) {
+      for (const { root, literals } of rows) {
+        for (const element of [root, ...literals.map((literal) => literal.element)]) {
+          set(element, "tabIndex", root === to ? 0 : -1);
+        }
+      }
+    }
+  }
+
+  // -- numbers that are changed ---------------------------------------------------------------------------------------
+
+  /** The place of a number that can be changed now; null for other elements. */
+  #placeOf(target: EventTarget | null): Place | null {
+    const { key = "" } = this.#shown ?? {};
+    if (!(target instanceof Element) || key !== this.#model.get("_code").key) return null;
+    for (const { code, rows } of this.#sections) {
+      for (const [line, { literals }] of rows.entries()) {
+        const index = literals.findIndex(({ element }) => element === target);
+        const [, column, text] = literals[index]?.number ?? [];
+        if (column === undefined || text === undefined) continue;
+        return { key, function: code.key, name: code.name, line, column, index, text };
+      }
+    }
+    return null;
+  }
+
+  #rowAt({ name, line }: Place): Row | undefined {
+    return this.#sections.find(({ code }) => code.name === name)?.rows[line];
+  }
+
+  #literalAt(place: Place): HTMLElement | undefined {
+    return this.#rowAt(place)?.literals[place.index]?.element;
+  }
+
+  #isOpenAt(target: EventTarget | null): boolean {
+    const { place } = this.#change;
+    return place !== null && target === this.#literalAt(place);
+  }
+
+  #open(place: Place): void {
+    this.#change.open(place);
+    this.#rowAt(place)?.root.after(this.#change.root);
+  }
+
+  /** Finds the number that is changed in another version of the source. */
+  #followChange(): void {
+    const { place } = this.#change;
+    if (!place) return;
+    const found = this.#placeOf(this.#literalAt(place) ?? null);
+    if (!found) {
+      this.#change.close();
+      return;
+    }
+    this.#change.moveTo(found);
+    this.#rowAt(found)?.root.after(this.#change.root);
+  }
+
+  #drawChange(): void {
+    const { place, shown } = this.#change;
+    for (const { rows } of this.#sections) {
+      for (const row of rows) for (const index of row.literals.keys()) row.show(index, null);
+    }
+    if (!place) return;
+    this.#rowAt(place)?.show(place.index, shown);
+    this.#change.draw(this.#card.theme, this.#card.size.ratio);
+  }
+
+  #onDown(event: PointerEvent): void {
+    const place = event.button === 0 ? this.#placeOf(event.target) : null;
+    if (!place) return;
+    event.preventDefault(); // no selection of text
+    const element = event.target as HTMLElement;
+    element.focus({ preventScroll: true });
+    this.#open(place);
+    element.setPointerCapture(event.pointerId);
+    this.#drag = { id: event.pointerId, x: event.clientX, from: place.text, hasMoved: false };
+  }
+
+  #onMove({ pointerId, clientX }: PointerEvent): void {
+    if (this.#drag?.id !== pointerId) return;
+    const moved = clientX - this.#drag.x;
+    this.#drag.hasMoved ||= Math.abs(moved) >= DRAG_PX;
+    if (this.#drag.hasMoved) this.#change.drag(this.#drag.from, moved);
+  }
+
+  #onUp({ pointerId }: PointerEvent): void {
+    if (this.#drag?.id !== pointerId) return;
+    const { hasMoved } = this.#drag;
+    this.#drag = null;
+    if (hasMoved) this.#change.put();
+  }
+
+  #cancelDrag(): void {
+    this.#drag = null;
+    this.#change.close();
+  }
+
+  /** Handles keys on a number and on its slider; returns false for other keys. */
+  #onNumberKey({ key, target }: KeyboardEvent): boolean {
+    const { slider, root } = this.#change;
+    if (root.contains(target as Node)) {
+      if (target !== slider && key !== "Escape") return false;
+      return this.#change.onKey(key, () => true);
+    }
+    const place = this.#placeOf(target);
+    if (key === "Escape" && this.#isOpenAt(target)) {
+      this.#drag = null;
+      this.#change.escape();
+      return true;
+    }
+    if (!place) return false;
+    const { literals = [], root: row } = this.#rowAt(place) ?? {};
+    if (key === "ArrowLeft" || key === "ArrowRight") {
+      const next = literals[place.index + (key === "ArrowLeft" ? -1 : 1)]?.element;
+      (next ?? (key === "ArrowLeft" ? row : undefined))?.focus();
+      return true;
+    }
+    if (key !== "Enter" && !UPRIGHT.has(key)) return false;
+    if (!this.#isOpenAt(target)) this.#open(place);
+    if (key === "Enter" && this.#change.shown === place.text) slider.focus();
+    else this.#change.onKey(key, (one) => UPRIGHT.has(one));
+    return true;
+  }
+
+  /** Puts the changed lines of a function into its cell, or copies them. */
+  async #putIntoCell(section: Section): Promise<void> {
+    const { name, cell = [], changed = [] } = section.code;
+    const editors = editorsOf(document);
+    const befores = [this.#inCells.get(name) ?? cell, cell, changed];
+    if (befores.some((before) => replaceIn(editors, before, changed))) {
+      this.#inCells.set(name, changed);
+      section.sayOfCell(IN_CELL);
+      return;
+    }
+    const isCopied = await copyText(changedLines(cell, changed));
+    section.sayOfCell(
+      isCopied
+        ? "copied, because its cell cannot be reached from here: paste it over the line in the cell"
+        : "neither the cell nor the clipboard can be reached from here: type it into the cell",
+    );
   }
 
   get #rows(): HTMLElement[] {
@@ -234,6 +420,11 @@ export class LinesView {
 
   #onKey(event: KeyboardEvent): void {
     if (!isPlain(event)) return;
+    if (this.#onNumberKey(event)) {
+      event.preventDefault();
+      event.stopPropagation();
+      return;
+    }
     if (STEPS[event.key] && this.#step(STEPS[event.key] ?? 0)) {
       event.preventDefault();
       event.stopPropagation();
@@ -245,11 +436,19 @@ export class LinesView {
     }
     const rows = this.#rows;
     const at = rows.indexOf(event.target as HTMLElement);
+    const first =
+      event.key === "ArrowRight" && at >= 0 ? rows[at]?.querySelector<HTMLElement>(".rw-line-literal") : null;
+    if (first) {
+      event.preventDefault();
+      event.stopPropagation();
+      first.focus();
+      return;
+    }
     const next = rows[at + (MOVES[event.key] ?? 0)];
     if (at < 0 || !MOVES[event.key] || !next) return;
     event.preventDefault();
     event.stopPropagation();
-    for (const row of rows) set(row, "tabIndex", row === next ? 0 : -1);
+    this.#rove(next);
     next.focus();
   }
 
@@ -293,21 +492,42 @@ class Section {
   readonly kinds = new Map<number, string>();
   readonly #why = make("div", "rw-lines-why");
   readonly #loops = new Map<number, HTMLElement>();
+  readonly #cell = make("div", "rw-lines-cell");
+  readonly #cellWords = make("span", "");
   readonly #start: number;
 
-  constructor(code: FunctionCode, isNamed: boolean) {
+  /** @param putIntoCell called when the changed lines are to be put into the cell */
+  constructor(code: FunctionCode, isNamed: boolean, putIntoCell: () => void) {
     this.code = code;
     this.root.role = "rowgroup";
     if (isNamed) this.root.ariaLabel = code.name;
     const lines = new Set(code.code);
-    this.rows = code.texts.map((text, i) => new Row(code.first + i, text, lines.has(i)));
+    this.rows = code.texts.map((text, i) => new Row(code.first + i, text, lines.has(i), numbersIn(code, i)));
     this.#start = Math.max(
       0,
       code.texts.findIndex((text) => /^\s*def\b/.test(text)),
     );
     setText(this.#why, code.why && `${code.name} runs as it is, and shows no values: ${code.why}.`);
     setHidden(this.#why, !code.why);
-    this.root.append(this.#why, ...this.rows.map(({ root }) => root));
+    this.root.append(this.#why, ...this.rows.map(({ root }) => root), this.#cell);
+    setHidden(this.#cell, !code.changed);
+    if (code.changed) this.#offerCell(putIntoCell);
+  }
+
+  #offerCell(onClick: () => void): void {
+    const { first, cell = [], changed = [] } = this.code;
+    const lines = changed.flatMap((text, i) => (text === cell[i] ? [] : [first + i]));
+    setText(this.#cellWords, `${lines.length > 1 ? "lines" : "line"} ${lines.join(", ")}: not as in the cell`);
+    this.#cellWords.role = "status";
+    const button = make("button", "rw-button rw-lines-put", "Put into the cell");
+    button.type = "button";
+    button.addEventListener("click", onClick);
+    this.#cell.append(this.#cellWords, button);
+  }
+
+  /** Shows what became of the lines that were to be put into the cell. */
+  sayOfCell(words: string): void {
+    setText(this.#cellWords, words);
   }
 
   update(step: Step, failure: string): void {
@@ -364,6 +584,10 @@ class Section {
       element.style.setProperty("--rw-passes", String(seen));
     }
   }
+}
+
+function numbersIn({ numbers = [] }: FunctionCode, line: number): NumberCode[] {
+  return numbers.filter(([number]) => number === line);
 }
 
 function toLit(line: Line | undefined): Lit[] {

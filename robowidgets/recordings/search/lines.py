@@ -6,7 +6,6 @@ import inspect
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from difflib import SequenceMatcher
 from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -14,8 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...behaviors.drive import Drive
+from ...behaviors.lines.differences import first_difference
 from ...behaviors.lines.places import FunctionSource
-from ...behaviors.lines.shown import FLAG, LineValues, levels_of, lines_of, passes_of
+from ...behaviors.lines.shown import FLAG, levels_of, lines_of, passes_of
 from ...behaviors.lines.values import glimpse, text_of
 from ...behaviors.lines.watch import LineWatch, WatchedCall, WatchedStep, error_text
 from ...behaviors.program import Program
@@ -377,31 +377,8 @@ def _short(value: Any) -> str:
 
 def _decision(pair: _Pair, end_ns: int, start_ns: int) -> Decision:
     start, end = ((one - start_ns) / 1e9 for one in (pair.new.time_ns, end_ns))
-    line, old_value, new_value = _first_difference(pair.old.step, pair.new.step)
+    line, old_value, new_value = first_difference(pair.old.step, pair.new.step)
     return Decision(start, end, end - start, line, old_value, new_value, pair.old_outcome, pair.new_outcome)
-
-
-def _first_difference(old: WatchedStep, new: WatchedStep) -> tuple[int | None, str, str]:
-    """Return the first line of the new version with a different value, and both values."""
-    for before, after in zip(old.calls, new.calls, strict=False):
-        values = [{line.number: line for line in lines_of(call)} for call in (before, after)]
-        one, other = ([text.strip() for text in call.source.texts] for call in (before, after))
-        same: dict[int, int] = {}
-        for tag, a, b, c, d in SequenceMatcher(None, one, other, autojunk=False).get_opcodes():
-            if tag in ("equal", "replace") and b - a == d - c:
-                same.update(zip(range(c, d), range(a, b), strict=True))
-        for number in range(len(after.source.texts)):
-            if number in same and number + after.source.first in after.source.reach:
-                old_text, new_text = (_value_text(values[i].get(n)) for i, n in enumerate((same[number], number)))
-                if old_text != new_text:
-                    return number + after.source.first, old_text, new_text
-    return None, "", ""
-
-
-def _value_text(line: LineValues | None) -> str:
-    return (
-        "not reached" if line is None else " ".join(filter(None, (line.value, " \N{MIDDLE DOT} ".join(line.details))))
-    )
 
 
 class StepMaker:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import gc
 import itertools
 import linecache
@@ -14,7 +15,7 @@ import pytest
 
 from robowidgets.behaviors.lines.noting import MOST_PASSES, CallNotes, Notebook
 from robowidgets.behaviors.lines.places import COMPARE, PASS, RAYS, VALUE
-from robowidgets.behaviors.lines.rewriting import NotRewrittenError, _without_warnings, rewritten
+from robowidgets.behaviors.lines.rewriting import NotRewrittenError, rewritten, without_warnings
 
 from .snippets import IN_PLACES, SOURCES
 
@@ -177,11 +178,20 @@ def test_a_form_feed_and_a_line_separator_are_in_lines_and_end_none() -> None:
 def test_filters_of_warnings_stay_as_they_are_though_another_thread_changes_them() -> None:
     before = [*warnings.filters]
     other = warnings.catch_warnings()
-    with _without_warnings("a.py"):
+    with without_warnings("a.py"):
         other.__enter__()
     assert warnings.filters == before
     other.__exit__(None, None, None)
     assert warnings.filters == before
+
+
+def test_the_filter_of_another_thread_for_the_same_source_stays() -> None:
+    with without_warnings("a.py"):
+        with without_warnings("a.py"):
+            pass
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.warn_explicit("of the source", SyntaxWarning, "a.py", 1, module="a")
+    assert not caught
 
 
 def test_rewriting_gives_no_warning() -> None:
@@ -274,3 +284,16 @@ def test_what_was_noted_does_not_keep_objects_alive() -> None:
     gc.collect()
     assert do.seen() is None  # type: ignore[attr-defined]
     assert len(notebook.take().seen) == 3
+
+
+def test_a_source_is_parsed_again_if_python_fails_as_another_thread_parses(monkeypatch: pytest.MonkeyPatch) -> None:
+    parse, failures = ast.parse, [SystemError("AST constructor recursion depth mismatch (before=42, after=71)")]
+
+    def fails_first(*given: Any) -> ast.Module:
+        if failures:
+            raise failures.pop()
+        return parse(*given)
+
+    monkeypatch.setattr(ast, "parse", fails_first)
+    assert rewritten(made("def step(do):\n    return do\n")).source.reach
+    assert not failures
