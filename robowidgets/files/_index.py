@@ -7,18 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
-from operator import itemgetter
-from pathlib import Path
 from struct import Struct, error
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.rosbag1 import Reader as BagReader
-from rosbags.rosbag2.storage_mcap import ChunkInfo, McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from ..repair import JITTER_NS, LEAP_NS, Arrivals, RecordingError, joined, may_precede_clock
+from ._mcap import IndexedMcapReader
 
 _MOST_CHUNKS = 1000
 """The maximum number of chunks of an MCAP file whose indexes are read: with more, a slow disk would take seconds."""
@@ -38,7 +36,7 @@ def arrivals_in_bag(reader: BagReader) -> Arrivals:
     return Arrivals(table[order, 0], np.repeat(np.array(list(reader.indexes), np.int64), counts)[order])
 
 
-def arrivals_in_mcap(reader: McapReader) -> Arrivals:
+def arrivals_in_mcap(reader: IndexedMcapReader) -> Arrivals:
     """Return the order of arrival: first and last time in each chunk, as if each of its channels had messages then.
 
     All messages are used if time goes back between chunks or within a chunk, leaps within a chunk, or may have begun
@@ -47,27 +45,29 @@ def arrivals_in_mcap(reader: McapReader) -> Arrivals:
     Raises:
         RecordingError: the contents of an index are impossible.
     """
-    path, chunks = _chunks(reader)
-    starts, ends = (np.array([chunk[i] for chunk in chunks], np.int64) for i in (0, 1))
+    index = reader.index
+    starts, ends = index.starts, index.ends
     is_back = (starts[1:] < np.maximum.accumulate(ends)[:-1] - JITTER_NS).any()
-    may_precede = len(chunks) > 0 and may_precede_clock(int(starts.min()), int(ends.max()))
-    if is_back or may_precede or (ends - LEAP_NS > starts).any() or _goes_back_within(path, chunks):
-        return _by_message(path, chunks)
-    counts = np.array([len(chunk.channel_count) for chunk in chunks], np.int64)
-    ids = [number for chunk in chunks for number in (*chunk.channel_count, *chunk.channel_count)]
-    return Arrivals(np.repeat(np.stack((starts, ends), 1), np.repeat(counts, 2)), np.array(ids, np.int64))
+    may_precede = len(starts) > 0 and may_precede_clock(int(starts.min()), int(ends.max()))
+    if is_back or may_precede or (ends - LEAP_NS > starts).any() or _goes_back_within(reader):
+        return _by_message(reader)
+    chunk, channel = index.places[:2, index.places[3] != 0]
+    counts = np.bincount(chunk, minlength=len(starts))
+    times = np.repeat(np.stack((starts, ends), 1), np.repeat(counts, 2))
+    twice = np.repeat(counts, 2)
+    within = np.arange(len(times)) - np.repeat(np.cumsum(twice) - twice, twice)
+    return Arrivals(times, channel[np.repeat(np.repeat(np.cumsum(counts) - counts, 2), twice) + within])
 
 
-def span_in_mcap(reader: McapReader, number: int) -> tuple[int, int] | None:
+def span_in_mcap(reader: IndexedMcapReader, number: int) -> tuple[int, int] | None:
     """Return the log times of a connection's first and last message, or slightly wider times if chunks overlap.
 
     Return None if the connection has no messages. Raises as `arrivals_in_mcap`.
     """
-    path, chunks = _chunks(reader)
-    places = [_place(chunk, number) for chunk in chunks if chunk.channel_count.get(number)]
-    if not places:
+    rows = reader.index.by_channel.get(number)
+    if rows is None:
         return None
-    first, last = (part.entries["time"] for part in _indexes(path, [places[0], places[-1]]))
+    first, last = (part.entries["time"] for part in _indexes(reader, [_place(reader, rows[i]) for i in (0, -1)]))
     return int(first.min()), int(last.max())
 
 
@@ -86,18 +86,21 @@ def arrivals_in_database(reader: Sqlite3Reader) -> Arrivals:
     return Arrivals(table[:, 0], table[:, 1])
 
 
-def _goes_back_within(path: Path, chunks: Sequence[ChunkInfo]) -> bool:
+def _goes_back_within(reader: IndexedMcapReader) -> bool:
     """Return True if the clock goes back within a chunk, judged by its channel with the most messages."""
-    if len(chunks) > _MOST_CHUNKS:
+    places = reader.index.places
+    if not 0 < len(reader.index.starts) <= _MOST_CHUNKS:
         return False
-    most = [(chunk, max(chunk.channel_count.items(), key=itemgetter(1), default=(0, 0))) for chunk in chunks]
-    places = [_place(chunk, channel) for chunk, (channel, count) in most if count]
-    return any((np.diff(part.by_arrival()[0]) < -JITTER_NS).any() for part in _indexes(path, places))
+    most = np.lexsort((-places[3], places[0]))
+    most = most[np.append(True, np.diff(places[0, most]) != 0)[: len(most)]]
+    found = [_place(reader, row) for row in most if places[3, row]]
+    return any((np.diff(part.by_arrival()[0]) < -JITTER_NS).any() for part in _indexes(reader, found))
 
 
-def _by_message(path: Path, chunks: Sequence[ChunkInfo]) -> Arrivals:
-    places = [(chunk.chunk_start_offset + chunk.chunk_length, chunk.message_index_length) for chunk in chunks]
-    return joined(part.by_arrival() for part in _indexes(path, places))
+def _by_message(reader: IndexedMcapReader) -> Arrivals:
+    index = reader.index
+    places = zip((index.offsets + index.lengths).tolist(), index.index_lengths.tolist(), strict=True)
+    return joined(part.by_arrival() for part in _indexes(reader, list(places)))
 
 
 class _Index(NamedTuple):
@@ -112,26 +115,23 @@ class _Index(NamedTuple):
         return Arrivals(self.entries["time"].astype(np.int64)[order], self.channels[order])
 
 
-def _chunks(reader: McapReader) -> tuple[Path, list[ChunkInfo]]:
-    return Path(str(reader.path)), sorted(reader.chunks, key=lambda chunk: chunk.chunk_start_offset)
-
-
-def _place(chunk: ChunkInfo, number: int) -> tuple[int, int]:
+def _place(reader: IndexedMcapReader, row: int) -> tuple[int, int]:
     """Return the offset and size in bytes of the index of a connection in a chunk."""
-    return chunk.message_index_offsets[number], _INDEX_HEAD.size + chunk.channel_count[number] * _ENTRY.itemsize
+    _, _, offset, count = reader.index.places[:, row].tolist()
+    return offset, _INDEX_HEAD.size + count * _ENTRY.itemsize
 
 
-def _indexes(path: Path, places: Sequence[tuple[int, int]]) -> Iterator[_Index]:
+def _indexes(reader: IndexedMcapReader, places: Sequence[tuple[int, int]]) -> Iterator[_Index]:
     """Yield the indexes at some places in a file, given as offset and size in bytes."""
-    if sum(size for _, size in places) > path.stat().st_size:
-        raise RecordingError(f"{path}: the index of its chunks is larger than the file")
-    with path.open("rb", buffering=0) as file:
-        for start, size in places:
-            file.seek(start)
-            records = list(_records(file.read(size)))
-            ids, counts = [number for number, _ in records], [len(own) for _, own in records]
-            entries = np.concatenate([np.empty(0, _ENTRY), *(own for _, own in records)])
-            yield _Index(entries, np.repeat(np.array(ids, np.int64), counts))
+    assert reader.bio
+    if sum(size for _, size in places) > reader.bio.seek(0, 2):
+        raise RecordingError(f"{reader.path}: the index of its chunks is larger than the file")
+    for start, size in places:
+        reader.bio.seek(start)
+        records = list(_records(reader.bio.read(size)))
+        ids, counts = [number for number, _ in records], [len(own) for _, own in records]
+        entries = np.concatenate([np.empty(0, _ENTRY), *(own for _, own in records)])
+        yield _Index(entries, np.repeat(np.array(ids, np.int64), counts))
 
 
 def _records(index: bytes) -> Iterator[tuple[int, NDArray[Any]]]:

@@ -6,7 +6,6 @@ Only this folder reads files with rosbags.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +15,6 @@ from weakref import finalize
 from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
 from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.metadata import dump_qos_v8
-from rosbags.rosbag2.storage_mcap import McapReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from ..messages.channel import Channel, definition_text, full_type
@@ -24,11 +22,9 @@ from ..messages.compression import plain
 from ..repair import Arrivals, Message, RecordingError, is_cut
 from ..runtime.platform_fixes import bound_decompression
 from ._index import arrivals_in_bag, arrivals_in_database, arrivals_in_mcap, span_in_mcap
+from ._mcap import IndexedMcapReader, McapFile, has_messages, is_complete
 
 _NEVER = 2**63 - 1
-_SCHEMALESS = "__schemaless__"
-"""The type that rosbags gives a channel whose schema it has not read."""
-
 
 bound_decompression()
 
@@ -38,29 +34,19 @@ def open_bag(path: Path) -> RosbagsSource:
     return RosbagsSource(BagReader(path), arrivals_in_bag)
 
 
-def open_mcap(path: Path) -> RosbagsSource:
-    """Open a ``.mcap`` with an index. Raises as `open_bag`, and RecordingError if index or summary is not complete."""
-    reader = McapReader(path)
+def open_mcap(path: Path | McapFile, *, scans: bool = True) -> RosbagsSource:
+    """Open a ``.mcap`` with an index. Raises as `open_bag`, and RecordingError if index or summary is not complete.
+
+    Args:
+        path: the file.
+        scans: True to read a file without an index from start to end instead of raising an error.
+    """
+    reader = IndexedMcapReader(path, scans=scans)
     source = RosbagsSource(reader, arrivals_in_mcap, span_in_mcap)
-    if (reader.chunks or reader.metadata.message_count) and not _is_summary_complete(reader):
+    if has_messages(reader) and not is_complete(reader):
         source.close()
         raise RecordingError(f"{path}: rosbags leaves out what the summary of the file does not repeat")
     return source
-
-
-def _is_summary_complete(reader: McapReader) -> bool:
-    """Return True if the index and the summary contain each channel with its schema, and each message."""
-    counts: Counter[int] = Counter()
-    for chunk in reader.chunks:
-        counts.update(chunk.channel_count)
-    named = {connection.id: connection for connection in reader.connections}
-    is_empty = not any(chunk.message_end_time for chunk in reader.chunks)
-    return (
-        sum(counts.values()) == reader.metadata.message_count
-        and (reader.metadata.message_count > 0 or is_empty)
-        and all(named[number].msgcount == count if number in named else not count for number, count in counts.items())
-        and all(connection.msgtype != _SCHEMALESS for connection in reader.connections)
-    )
 
 
 def open_sqlite(path: Path) -> RosbagsSource:
