@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 
 from ..messages.channel import Channel
-from ..repair import Message, RecordingError, Source
+from ..repair import Message, RecordingError, RemoteError, Source
 
 
 class FallbackSource:
@@ -42,6 +42,8 @@ class FallbackSource:
                     given += 1
                     yield message
                 return
+            except RemoteError:
+                raise
             except Exception:  # rosbags raises anything; repair reports the damage
                 if self._closed:
                     raise RecordingError("the recording is closed: open it again") from None
@@ -53,6 +55,8 @@ class FallbackSource:
         """See `Source`."""
         try:
             return self._first.span_ns(channel)
+        except RemoteError:
+            raise
         except Exception:  # reading the messages will meet the same damage
             return None
 

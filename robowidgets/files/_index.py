@@ -50,6 +50,8 @@ def arrivals_in_mcap(reader: IndexedMcapReader) -> Arrivals:
     is_back = (starts[1:] < np.maximum.accumulate(ends)[:-1] - JITTER_NS).any()
     may_precede = len(starts) > 0 and may_precede_clock(int(starts.min()), int(ends.max()))
     if is_back or may_precede or (ends - LEAP_NS > starts).any() or _goes_back_within(reader):
+        if reader.is_near:
+            raise RecordingError(f"{reader.path}: its clock may have been set, and all of its indexes are needed")
         return _by_message(reader)
     chunk, channel = index.places[:2, index.places[3] != 0]
     counts = np.bincount(chunk, minlength=len(starts))
@@ -62,12 +64,17 @@ def arrivals_in_mcap(reader: IndexedMcapReader) -> Arrivals:
 def span_in_mcap(reader: IndexedMcapReader, number: int) -> tuple[int, int] | None:
     """Return the log times of a connection's first and last message, or slightly wider times if chunks overlap.
 
+    In a remote file, times that are far from others are the times of their chunks, so that few parts are fetched.
     Return None if the connection has no messages. Raises as `arrivals_in_mcap`.
     """
     rows = reader.index.by_channel.get(number)
     if rows is None:
         return None
-    first, last = (part.entries["time"] for part in _indexes(reader, [_place(reader, rows[i]) for i in (0, -1)]))
+    places = [_place(reader, rows[i]) for i in (0, -1)]
+    if reader.is_near and not all(reader.is_near(*place) for place in places):
+        first, last = reader.index.places[0, rows[[0, -1]]]
+        return int(reader.index.starts[first]), int(reader.index.ends[last])
+    first, last = (part.entries["time"] for part in _indexes(reader, places))
     return int(first.min()), int(last.max())
 
 
@@ -89,7 +96,7 @@ def arrivals_in_database(reader: Sqlite3Reader) -> Arrivals:
 def _goes_back_within(reader: IndexedMcapReader) -> bool:
     """Return True if the clock goes back within a chunk, judged by its channel with the most messages."""
     places = reader.index.places
-    if not 0 < len(reader.index.starts) <= _MOST_CHUNKS:
+    if reader.is_near or not 0 < len(reader.index.starts) <= _MOST_CHUNKS:
         return False
     most = np.lexsort((-places[3], places[0]))
     most = most[np.append(True, np.diff(places[0, most]) != 0)[: len(most)]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Generator, Iterator
 from heapq import heappop, heappush
 from io import BytesIO
 from pathlib import Path
@@ -27,6 +27,9 @@ _PLACES = np.dtype([("channel", "<u2"), ("offset", "<i8")])
 _INDEX_HEAD = 15
 """Bytes before the entries in the message index of a channel in a chunk."""
 _ENTRY = 16
+
+
+IsNear = Callable[[int, int], bool]
 
 
 class McapFile(Protocol):
@@ -88,13 +91,14 @@ class IndexedMcapReader(McapReader):
 
     Args:
         path: the file.
-        scans: True to read a file without an index from start to end instead of raising an error.
+        is_near: for a remote file, returns True if some bytes at an offset may be read to make the times of a topic
+            exact. Without an index such a file is not read, because that would take all of its bytes.
     """
 
-    def __init__(self, path: Path | McapFile, *, scans: bool = True) -> None:
+    def __init__(self, path: Path | McapFile, is_near: IsNear | None = None) -> None:
         super().__init__(path)  # type: ignore[arg-type]
         self.index = _chunks_from(b"", [])
-        self._scans = scans
+        self.is_near = is_near
 
     def read_index(self) -> None:
         """Read the summary; `McapReader` parses all records but the indexes of chunks."""
@@ -131,13 +135,13 @@ class IndexedMcapReader(McapReader):
 
     def meta_scan(self) -> None:
         """Read the whole file if that is allowed, and needed because the file has no index."""
-        if not self._scans or len(self.index.starts):
+        if self.is_near or len(self.index.starts):
             raise RecordingError(f"{self.path}: it has no complete index")
         super().meta_scan()
 
     def messages(
         self, connections: Collection[Connection], start: int | None = None, stop: int | None = None
-    ) -> Iterator[tuple[Connection, int, bytes]]:
+    ) -> Generator[tuple[Connection, int, bytes], None, None]:
         """Yield messages in the order of `McapReader.messages`, but open each chunk only when its start time comes."""
         if not len(self.index.starts):
             yield from super().messages(connections, start, stop)
@@ -259,7 +263,8 @@ def _alike(
 
 def _uint32_at(data: NDArray[np.uint8], at: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the numbers at some offsets, or raise IndexError if one lies outside."""
-    return data[at[:, None] + np.arange(4)].view("<u4")[:, 0].astype(np.int64)
+    numbers: NDArray[np.int64] = data[at[:, None] + np.arange(4)].view("<u4")[:, 0].astype(np.int64)
+    return numbers
 
 
 def is_complete(reader: IndexedMcapReader) -> bool:

@@ -15,7 +15,7 @@ from ..messages.encoding import encode
 from ..messages.foxglove import as_ros
 from ..messages.json_shape import JsonShape
 from ..messages.protobuf import has_protobuf, reader_of
-from ..repair import Message, RecordingError, Source
+from ..repair import Message, RecordingError, RemoteError, Source
 
 _PLAIN = ("json", "protobuf")
 _LOOKED_AT = 100
@@ -81,6 +81,8 @@ class PlainSource:
                 definition = ""
             else:
                 type_name, definition, convert = self._own(channel, read)
+        except RemoteError:
+            raise
         except (ValueError, RecordingError):  # the reader of the unchanged channel reports the reason
             return channel
 

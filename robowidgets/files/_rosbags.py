@@ -22,7 +22,7 @@ from ..messages.compression import plain
 from ..repair import Arrivals, Message, RecordingError, is_cut
 from ..runtime.platform_fixes import bound_decompression
 from ._index import arrivals_in_bag, arrivals_in_database, arrivals_in_mcap, span_in_mcap
-from ._mcap import IndexedMcapReader, McapFile, has_messages, is_complete
+from ._mcap import IndexedMcapReader, IsNear, McapFile, has_messages, is_complete
 
 _NEVER = 2**63 - 1
 
@@ -34,14 +34,14 @@ def open_bag(path: Path) -> RosbagsSource:
     return RosbagsSource(BagReader(path), arrivals_in_bag)
 
 
-def open_mcap(path: Path | McapFile, *, scans: bool = True) -> RosbagsSource:
+def open_mcap(path: Path | McapFile, is_near: IsNear | None = None) -> RosbagsSource:
     """Open a ``.mcap`` with an index. Raises as `open_bag`, and RecordingError if index or summary is not complete.
 
     Args:
         path: the file.
-        scans: True to read a file without an index from start to end instead of raising an error.
+        is_near: for a remote file; see `IndexedMcapReader`.
     """
-    reader = IndexedMcapReader(path, scans=scans)
+    reader = IndexedMcapReader(path, is_near)
     source = RosbagsSource(reader, arrivals_in_mcap, span_in_mcap)
     if has_messages(reader) and not is_complete(reader):
         source.close()

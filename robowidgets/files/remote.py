@@ -10,27 +10,34 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn, TypeGuard
+from typing import Any, NamedTuple, TypeGuard
 from urllib.parse import unquote, urlsplit
 from urllib.request import url2pathname
 from uuid import uuid4
 
 from ..messages.decoding import one_line
 from ..notebook.progress import Progress
-from ..repair import SUFFIX, RecordingError
+from ..repair import SUFFIX, RecordingError, RemoteError, Source, has_clock_step, open_repaired
 from ..runtime.text import listed, many, megabytes
-from ..runtime.urls import redacted, without_secrets
-from . import METADATA, counts_up
-from ._copies import Copy, find, holding, make
+from ..runtime.urls import without_secrets
+from . import METADATA, counts_up, open_as_ros
+from ._copies import Copy, copies_folder, find, holding, make
+from ._driver_errors import asked, fail
+from ._fallback import FallbackSource
+from ._plain import in_ros
+from ._rosbags import open_mcap
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(://|::)")
-_WEB = re.compile(r"(.*::)?https?://", re.IGNORECASE)
 _QUERY = re.compile(r"(?<=.)\?.*")
 _OTHER = re.compile(r"\.(log|clf)(\.gz)?$")
 _UNSAFE = re.compile(r"[^\w.+ -]")
 _FROM = ".url"
 """The file next to a copy that contains its URL."""
 _BLOCK = 8 << 20
+WHOLE = 32 << 20
+"""The size in bytes up to which any file is fetched whole: then no later question needs the server."""
+_NO_INDEX = re.compile(r"\.(bag|db3|log|clf|gz|active|zstd?)$", re.IGNORECASE)
+_ONLY_MCAP = "only a lone MCAP file is read in parts"
 _STATE = (
     "etag", "content-md5", "md5hash", "md5", "generation", "versionid", "lastmodified", "last-modified",
     "last_modified", "mtime", "modified", "updated", "created",
@@ -38,26 +45,19 @@ _STATE = (
 """The names that drivers use for the properties that change with an object, in addition to its size."""
 _LONGEST = 60.0
 """Seconds without an answer from a web server."""
-_CREDENTIALS = (
-    "give credentials as its driver takes them (for s3: ~/.aws/credentials or AWS_ACCESS_KEY_ID and "
-    "AWS_SECRET_ACCESS_KEY; FSSPEC_S3_ANON=true for what is public)"
-)
-_SIGNATURE = "give its whole URL, with credentials or a valid signature: URLs are stored and shown without them"
-_NO_CREDENTIALS = (
-    "NoCredentialsError",
-    "PartialCredentialsError",
-    "DefaultCredentialsError",
-    "ClientAuthenticationError",
-)
 
 
 class _Object(NamedTuple):
-    """One file of a recording: its path in its file system, its local name, its size in bytes, and its state."""
+    """One file of a recording: its path in its file system, its local name, its size in bytes, and its state.
+
+    ``headers`` are the properties in its state that a web server sends.
+    """
 
     path: str
     name: str
     size: int | None
     state: str
+    headers: dict[str, str]
 
 
 def is_url(path: Any) -> TypeGuard[str]:
@@ -105,6 +105,10 @@ class Fetched:
     def __init__(self, path: Path, url: str | None = None, copy: Copy | None = None) -> None:
         self.path, self.url, self._copy = path, url, copy
 
+    def keep(self, other: Fetched) -> None:
+        """Keep another copy, too, until this object is closed."""
+        self._copy = other._copy
+
     def close(self) -> None:
         """Allow the copy to be removed when room is needed; closing it again does nothing."""
         if self._copy is not None:
@@ -125,38 +129,149 @@ def held(path: Path) -> Fetched:
     return Fetched(path, without_secrets((copy.folder / _FROM).read_text(encoding="utf-8")), copy)
 
 
+def opened(url: str) -> tuple[Fetched, Source]:
+    """Return the recording at a URL, and its messages with JSON and protobuf as messages of ROS 2.
+
+    A large MCAP file with an index is read in parts; nothing lies at its path. All others are fetched whole.
+
+    Raises:
+        RecordingError: it cannot be fetched, stored or read; the text gives the reason and the remedy.
+    """
+    fetched, reason = None, _ONLY_MCAP
+    if not _is_local(url):
+        found = _find(url)
+        size = found.objects[0].size
+        if found.may_have_index and size is not None and size > WHOLE and find(found.key) is None:
+            try:
+                return _in_parts(found, size)
+            except _WholeError as error:
+                reason = str(error)
+        fetched = _fetch(found, reason)
+    return _opened(fetched or fetch(url))
+
+
+def opened_here(path: Path) -> tuple[Fetched, Source]:
+    """Return the recording at a local path, and its messages as `opened` does."""
+    return _opened(held(path))
+
+
+def _opened(file: Fetched) -> tuple[Fetched, Source]:
+    try:
+        return file, open_as_ros(file.path)
+    except BaseException:
+        file.close()
+        raise
+
+
 def fetch(url: str) -> Fetched:
     """Return the recording at a URL as a local file or folder; fetch it unless a copy of its current state exists.
 
     Raises:
         RecordingError: it cannot be fetched or stored; the text gives the reason and the remedy.
     """
-    if url.lower().startswith(("file://", "local://")):
-        return held(Path(url2pathname(urlsplit(url).path)))
-    shown = url = named(url)
+    return held(Path(url2pathname(urlsplit(url).path))) if _is_local(url) else _fetch(_find(url))
+
+
+class _WholeError(Exception):
+    """A file cannot be read in parts; the text gives the reason."""
+
+
+class _Found(NamedTuple):
+    """A recording at a URL: its file system and path, its files, and the names of its copy and of the state it has."""
+
+    url: str
+    system: Any
+    path: str
+    objects: list[_Object]
+    is_folder: bool
+    key: str
+    name: str
+
+    @property
+    def may_have_index(self) -> bool:
+        """True if the recording is one file that may be an MCAP file."""
+        return not self.is_folder and not _NO_INDEX.search(self.objects[0].name)
+
+    @property
+    def local(self) -> Path:
+        """The path of its copy."""
+        return copies_folder() / self.key / (self.name if self.is_folder else self.objects[0].name)
+
+
+def _is_local(url: str) -> bool:
+    return url.lower().startswith(("file://", "local://"))
+
+
+def _find(url: str) -> _Found:
+    url = named(url)
     system, path = _system(url)
-    objects, is_folder = _objects(system, path, shown)
+    objects, is_folder = _objects(system, path, url)
     key = f"{_short(url)}-{_short(_state(objects))}"
-    name = _safe(file_name(path)) or "recording"
+    return _Found(url, system, path, objects, is_folder, key, _safe(file_name(path)) or "recording")
+
+
+def _fetch(found: _Found, reason: str = "") -> Fetched:
+    url = found.url
 
     def write(folder: Path) -> None:
         (folder / _FROM).write_text(url, encoding="utf-8")
-        _download(system, objects, folder / name if is_folder else folder, name, shown)
+        target = folder / found.name if found.is_folder else folder
+        _download(found.system, found.objects, target, found.name, url, reason)
 
-    copy = find(key)
+    copy = find(found.key)
     if copy is None:
         try:
-            copy = make(
-                key,
-                sum(one.size or 0 for one in objects),
-                write,
-            )
+            copy = make(found.key, sum(one.size or 0 for one in found.objects), write)
         except RecordingError as error:
             message = str(error)
-            raise RecordingError(message if message.startswith(shown) else f"{shown}: {message}") from None
+            raise RecordingError(message if message.startswith(url) else f"{url}: {message}") from None
         except OSError as error:
-            raise RecordingError(f"{shown}: its copy cannot be written: {error.strerror or error}") from None
-    return Fetched(copy.folder / (name if is_folder else objects[0].name), url, copy)
+            raise RecordingError(f"{url}: its copy cannot be written: {error.strerror or error}") from None
+    return Fetched(found.local, url, copy)
+
+
+def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
+    """Open an MCAP file with an index, and read only what is requested.
+
+    Raises:
+        _WholeError: the file has to be fetched whole; the text gives the reason.
+        RemoteError: it cannot be read at all.
+    """
+    from ._parts import NoPartsError, Parts, RemoteFile, driver_fetch, web_fetch  # needs fsspec, which is optional
+
+    system, path, shown = found.system, found.path, found.url
+
+    def is_same() -> bool:
+        system.invalidate_cache()
+        return _object(asked(lambda: system.info(path), shown), path).state == found.objects[0].state
+
+    def open_parts() -> Parts:
+        if "http" in system.protocol or "https" in system.protocol:
+            fetch_range = web_fetch(system, path, size, found.objects[0].headers, shown)
+        else:
+            fetch_range = asked(lambda: driver_fetch(system, path, is_same, shown), shown)
+        return Parts(system, path, size, fetch_range, shown)
+
+    fetched = Fetched(found.local, shown)
+
+    def repaired() -> Source:
+        whole = _fetch(found, "it is damaged")
+        fetched.keep(whole)
+        return open_repaired([whole.path])
+
+    file = RemoteFile(shown, found.key, open_parts)
+    try:
+        source = open_mcap(file, is_near=file.is_near)
+        if has_clock_step(source.arrivals):
+            source.close()
+            raise _WholeError("its clock was set")
+    except (RemoteError, _WholeError):
+        raise
+    except NoPartsError:
+        raise _WholeError("its server sends no parts") from None
+    except Exception:  # rosbags raises anything
+        raise _WholeError("it has no index that is complete and in order") from None
+    return fetched, in_ros(FallbackSource(source, repaired))
 
 
 def state_of(url: str) -> str | None:
@@ -183,7 +298,7 @@ def recordings_at(url: str) -> Iterator[tuple[str, str]]:
         if not _is_pattern(url):
             yield from _within(system, path, url)
             return
-        matches = sorted(_asked(lambda: system.glob(path), shown))
+        matches = sorted(asked(lambda: system.glob(path), shown))
         for match in matches:
             yield from _within(system, match, _url(system, match, url))
         if not matches:
@@ -194,10 +309,10 @@ def recordings_at(url: str) -> Iterator[tuple[str, str]]:
 
 def _within(system: Any, path: str, url: str) -> Iterator[tuple[str, str]]:
     shown = without_secrets(url)
-    if not _is_folder(system, path, shown):
+    if _info(system, path, shown) is not None:
         yield (named(url.removesuffix(f"/{METADATA}")), "")
         return
-    there = _asked(lambda: system.find(path), shown)
+    there = asked(lambda: system.find(path), shown)
     folders = {one.rpartition("/")[0] for one in there if file_name(one) == METADATA}
     found = {one for one in there if SUFFIX.search(file_name(one)) or _OTHER.search(file_name(one))}
     found = {one for one in found if one.rpartition("/")[0] not in folders} | folders
@@ -243,15 +358,16 @@ def _system(url: str) -> tuple[Any, str]:
             'pip install "robowidgets[remote]"'
         ) from None
     except Exception as error:
-        _fail(error, shown)
+        fail(error, shown)
     return system, path.removesuffix(f"/{METADATA}")
 
 
 def _objects(system: Any, path: str, shown: str) -> tuple[list[_Object], bool]:
     """Return the files of the recording at a path, and True if it is a folder."""
-    if not _is_folder(system, path, shown):
-        return [_object(_asked(lambda: system.info(path), shown), path)], False
-    there = {file_name(one["name"]): one for one in _asked(lambda: system.ls(path, detail=True), shown)}
+    info = _info(system, path, shown)
+    if info is not None:
+        return [_object(info, path)], False
+    there = {file_name(one["name"]): one for one in asked(lambda: system.ls(path, detail=True), shown)}
     names = sorted(name for name in there if SUFFIX.search(name))
     if not names:
         raise RecordingError(f"{shown}: no recording in this folder: expected .db3, .mcap or .bag files")
@@ -262,16 +378,19 @@ def _objects(system: Any, path: str, shown: str) -> tuple[list[_Object], bool]:
     return [_object(there[name], there[name]["name"]) for name in names], True
 
 
-def _is_folder(system: Any, path: str, shown: str) -> bool:
+def _info(system: Any, path: str, shown: str) -> dict[str, Any] | None:
+    """Return the properties of a file, or None for a folder."""
     system.invalidate_cache()  # clears listings: an object may have changed since
-    return path.endswith("/") or bool(_asked(lambda: system.info(path), shown)["type"] == "directory")
+    info: dict[str, Any] | None = None if path.endswith("/") else asked(lambda: system.info(path), shown)
+    return None if info is None or info["type"] == "directory" else info
 
 
 def _object(info: dict[str, Any], path: str) -> _Object:
     size = info.get("size")
     known = {name.lower(): str(value) for name, value in info.items() if name.lower() in _STATE and value}
     state = json.dumps([size, sorted(known.items())]) if known else ""
-    return _Object(path, _safe(file_name(path)) or "recording", size, state)
+    headers = {name: str(info[name]) for name in ("ETag", "Last-Modified") if info.get(name)}
+    return _Object(path, _safe(file_name(path)) or "recording", size, state, headers)
 
 
 def _state(objects: list[_Object]) -> str:
@@ -279,11 +398,12 @@ def _state(objects: list[_Object]) -> str:
     return json.dumps([(one.name, one.state or uuid4().hex) for one in objects])
 
 
-def _download(system: Any, objects: list[_Object], folder: Path, name: str, shown: str) -> None:
+def _download(system: Any, objects: list[_Object], folder: Path, name: str, shown: str, reason: str) -> None:
     folder.mkdir(exist_ok=True)
     total = sum(one.size or 0 for one in objects)
     done = 0
-    with Progress(total or None, f"Fetching {name}", "B") as bar:
+    what = f"Fetching all of {name}, because {reason}" if reason and total > WHOLE else f"Fetching {name}"
+    with Progress(total or None, what, "B") as bar:
         for one in objects:
             got = 0
             try:
@@ -296,7 +416,7 @@ def _download(system: Any, objects: list[_Object], folder: Path, name: str, show
                 raise
             except Exception as error:
                 of = f" of {megabytes(total)}" if total else ""
-                _fail(error, shown, f" after {megabytes(done + got)}{of}, which were discarded")
+                fail(error, shown, f" after {megabytes(done + got)}{of}, which were discarded")
             if one.size is not None and got != one.size:
                 raise RecordingError(
                     f"{shown}: the connection was lost, or it changed: {many(got, 'byte')} came of {one.size:,}, "
@@ -310,38 +430,6 @@ def _write(write: Callable[[bytes], Any], block: bytes, shown: str) -> None:
         write(block)
     except OSError as error:
         raise RecordingError(f"{shown}: its copy cannot be written: {error.strerror or error}") from None
-
-
-def _asked(ask: Callable[[], Any], shown: str) -> Any:
-    try:
-        return ask()
-    except Exception as error:
-        _fail(error, shown)
-
-
-def _fail(error: Exception, shown: str, when: str = "") -> NoReturn:
-    """Raise the error of a driver as a RecordingError; each driver has different errors."""
-    causes: list[BaseException] = [error]
-    while (cause := causes[-1].__cause__) is not None and cause not in causes:
-        causes.append(cause)
-    codes = {code for cause in causes if (code := _status(cause)) is not None}
-    text = redacted(one_line(causes[-1] if isinstance(causes[-1], Exception) else error))
-    kinds = {type(cause).__name__ for cause in causes}
-    if any(isinstance(cause, PermissionError) for cause in causes) or codes & {401, 403} or kinds & {*_NO_CREDENTIALS}:
-        text = f"no permission to read it ({text}): {_SIGNATURE if _WEB.match(shown) else _CREDENTIALS}"
-    elif codes & {404, 410} or (isinstance(error, FileNotFoundError) and len(causes) == 1):
-        text = "no such object, nor a folder with any"
-    else:
-        text = f"cannot be read{when}: {type(causes[-1]).__name__}: {text}"
-    raise RecordingError(f"{shown}: {text}") from None
-
-
-def _status(error: BaseException) -> int | None:
-    """Return the HTTP status in an error of a driver, or None."""
-    with suppress(Exception):
-        code = getattr(error, "status", None) or error.response["ResponseMetadata"]["HTTPStatusCode"]  # type: ignore[attr-defined]
-        return int(code)
-    return None
 
 
 def file_name(url: str) -> str:

@@ -14,7 +14,7 @@ from ..messages.protobuf import NO_PROTOBUF, has_protobuf
 from ..messages.standard import ODOMETRY
 from ..notebook.progress import Progress
 from ..poses.transforms import TRANSFORMS, Transform, transforms_of
-from ..repair import Message, RecordingError, Source
+from ..repair import Message, RecordingError, RemoteError, Source
 from ..runtime.text import listed, many
 from ..samples import Problem
 from ..samples.event import Event, Level
@@ -356,6 +356,8 @@ class Messages:
         try:
             first = next(self._source.messages([channel]), None)
             return kind_of_message(decode(first[2]), channel.type) if first else None
+        except RemoteError:
+            raise
         except (RecordingError, ValueError):
             return None
 
@@ -509,8 +511,8 @@ class Messages:
         return (time_ns - (self.start_ns or 0)) / 1e9
 
     def _stop(self, error: Exception) -> None:
-        """Note that the file can be read no further; raise the error instead if the file was closed."""
-        if self._closed:
+        """Note that the file can be read no further; raise the error instead if the file was closed, or is remote."""
+        if self._closed or isinstance(error, RemoteError):
             raise error
         line = f"the file can be read no further: {one_line(error)}"
         if line not in self._stopped:

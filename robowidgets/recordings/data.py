@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ..files import in_ros, open_source
-from ..files.remote import fetch, held, is_url
+from ..files import in_ros
+from ..files.remote import is_url, opened, opened_here
 from ..kinds import KINDS, add_installed, kind_of_class
 from ..poses.places import WITHIN, Places, to_place
 from ..repair import RecordingError, Source
@@ -76,12 +76,15 @@ class RecordingData:
         if not isinstance(path, (str, bytes, os.PathLike)):
             raise TypeError(f"path: expected the path of a recording, as text or as a pathlib.Path, got {path!r}")
         add_installed()
-        self._file = fetch(path) if is_url(path) else held(Path(os.fsdecode(path)).expanduser())
+        if is_url(path):
+            self._file, self._source = opened(path)
+        else:
+            self._file, self._source = opened_here(Path(os.fsdecode(path)).expanduser())
         self._path, self._url = self._file.path, self._file.url
         try:
-            self._source = open_source(self._path)
             self._messages = Messages(in_ros(self._source))
         except BaseException:
+            self._source.close()
             self._file.close()
             raise
         self._closed = False
@@ -96,7 +99,7 @@ class RecordingData:
 
     @property
     def path(self) -> Path:
-        """The file or folder of the recording, or the local copy of a remote one."""
+        """The file or folder of the recording, or the local copy of a remote one, which need not exist: see `open`."""
         return self._path
 
     @property

@@ -8,7 +8,7 @@ from ._carmen import is_carmen
 from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined, may_precede_clock
 from ._open import SUFFIX, find_files, is_being_written, is_finished, natural, open_repaired
 from ._sqlite import files_beside, is_cut
-from .source import Message, RecordingError, Source
+from .source import Message, RecordingError, RemoteError, Source
 
 __all__ = [
     "JITTER_NS",
@@ -19,6 +19,7 @@ __all__ = [
     "Arrivals",
     "Message",
     "RecordingError",
+    "RemoteError",
     "Source",
     "files_beside",
     "find_files",

@@ -15,6 +15,13 @@ class RecordingError(Exception):
     """A recording cannot be opened or read. The text is one line for users: the file and the reason."""
 
 
+class RemoteError(RecordingError):
+    """A remote file cannot be read at the moment: its connection or its credentials fail, or it has changed.
+
+    Nothing is wrong with its contents, so it is neither repaired nor read in part.
+    """
+
+
 class Source(Protocol):
     """The messages of one file or folder, as bytes, on a clock that never goes back and never leaps.
 
