@@ -237,7 +237,7 @@ def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
         _WholeError: the file has to be fetched whole; the text gives the reason.
         RemoteError: it cannot be read at all.
     """
-    from ._parts import NoPartsError, Parts, RemoteFile, driver_fetch, web_fetch  # needs fsspec, which is optional
+    from ._blocks import NoPartsError, Parts, RemoteFile, driver_fetch, web_fetch  # needs fsspec, which is optional
 
     system, path, shown = found.system, found.path, found.url
 

@@ -16,6 +16,7 @@ class RangeServer(ThreadingHTTPServer):
 
     Attributes:
         requests: the method of each request, with its range.
+        urls: the paths of the requests, with their parameters.
         sent: the number of bytes sent.
         refusals: the status of the next requests for parts, in their order.
         cuts: the number of next answers that end after half of their bytes.
@@ -29,6 +30,7 @@ class RangeServer(ThreadingHTTPServer):
         self.path = path
         self.tag: str | None = '"1"'
         self.requests: list[str] = []
+        self.urls: list[str] = []
         self.sent = 0
         self.refusals: list[int] = []
         self.cuts = 0
@@ -73,6 +75,7 @@ class _Handler(BaseHTTPRequestHandler):
         return self.server.path.stat().st_size
 
     def _count(self) -> None:
+        self.server.urls.append(self.path)
         self.server.requests.append(f"{self.command} {self.headers.get('Range', '')}".strip())
 
     def _head(self, status: int, length: int, headers: list[tuple[str, str]]) -> None:

@@ -160,15 +160,13 @@ def driver_fetch(system: Any, path: str, is_same: Callable[[], bool], shown: str
         shown: the URL for messages.
     """
     file = system.open(path, "rb", cache_type="none")
-    is_buffered = isinstance(file, AbstractBufferedFile)
+    # `_fetch_range` is the method that drivers provide for ranges; other files, such as those in memory, lack it.
+    read = getattr(file, "_fetch_range", lambda start, end: system.cat_file(path, start=start, end=end))
     is_checked = "IfMatch" in getattr(file, "read_kw", ())
 
     def fetch(start: int, end: int) -> bytes:
         try:
-            if is_buffered:
-                raw = file._fetch_range(start, end)  # noqa: SLF001  # the method that drivers provide for ranges
-            else:
-                raw = system.cat_file(path, start=start, end=end)
+            raw = read(start, end)
         except Exception as error:
             if type(error).__name__ == "FileExpired":  # by S3
                 raise changed(shown) from None
