@@ -11,6 +11,7 @@ import pytest
 import robowidgets
 from robowidgets import conditions
 
+from ..recordings import long_drive
 from .executors import Here
 
 pytest.importorskip("s3fs")
@@ -134,3 +135,70 @@ def test_the_check_up_takes_urls(bucket: Any) -> None:
     check_up = robowidgets.fleet.doctor("s3://drives/")
     assert not check_up.unread
     assert not check_up.kinds
+
+
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The calls of S3, each with its range."""
+    from s3fs import S3FileSystem
+
+    found: list[str] = []
+    call = S3FileSystem._call_s3
+
+    async def noted(self: Any, method: str, *args: Any, **kwargs: Any) -> Any:
+        found.append(f"{method} {kwargs.get('Range', '')}".strip())
+        return await call(self, method, *args, **kwargs)
+
+    monkeypatch.setattr(S3FileSystem, "_call_s3", noted)
+    return found
+
+
+@pytest.fixture
+def drive(bucket: Any, tmp_path: Path) -> Path:
+    """A drive of more than 64 MB, which is also in the bucket."""
+    path = long_drive.write(tmp_path / "drive.mcap", 80, image=900_000, others=3)
+    bucket.upload_file(str(path), "drive.mcap")
+    return path
+
+
+def test_a_large_drive_is_read_in_parts_with_the_rows_of_the_file_here(
+    drive: Path, calls: list[str], tmp_path: Path
+) -> None:
+    with robowidgets.open(drive) as here, robowidgets.open("s3://drives/drive.mcap") as there:
+        assert there.topics == here.topics
+        assert there.duration == here.duration
+        assert len(calls) <= 10
+        before = len(calls)
+        assert there.at("/scan", 40.0).sample.ranges.tolist() == here.at("/scan", 40.0).sample.ranges.tolist()
+        assert len(calls) - before <= 2
+        assert [*there.find(NEAR)] == [*here.find(NEAR)]
+    assert not copies(tmp_path)
+    hits = robowidgets.find(NEAR, "s3://drives/drive.mcap")
+    assert [hit[1:] for hit in hits] == [hit[1:] for hit in robowidgets.find(NEAR, drive)]
+    assert not hits.unread
+
+
+def test_an_object_that_changes_while_it_is_read_is_reported(drive: Path, bucket: Any) -> None:
+    with robowidgets.open("s3://drives/drive.mcap") as recording:
+        long_drive.write(drive, 81, image=900_000, others=3)
+        bucket.upload_file(str(drive), "drive.mcap")
+        with pytest.raises(robowidgets.RecordingError, match="it has changed since it was opened: open it again"):
+            list(recording.samples())
+
+
+@pytest.mark.parametrize("is_open", [False, True])
+def test_a_token_that_expired_is_named(drive: Path, monkeypatch: pytest.MonkeyPatch, is_open: bool) -> None:
+    from botocore.exceptions import ClientError
+    from s3fs import S3FileSystem
+    from s3fs.errors import translate_boto_error
+
+    async def expired(self: Any, method: str, *args: Any, **kwargs: Any) -> Any:
+        answer = {"Error": {"Code": "ExpiredToken", "Message": "The provided token has expired."}}
+        raise translate_boto_error(ClientError(answer, method))
+
+    recording = robowidgets.open("s3://drives/drive.mcap") if is_open else None
+    monkeypatch.setattr(S3FileSystem, "_call_s3", expired)
+    with pytest.raises(
+        robowidgets.RecordingError, match=r"drive\.mcap: its credentials have expired.* \(.*token has expired"
+    ):
+        list(recording.samples()) if recording else robowidgets.open("s3://drives/drive.mcap")
