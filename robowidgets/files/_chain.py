@@ -44,6 +44,11 @@ class Chain:
         spans = [span for source, part in parts if (span := source.span_ns(part))]
         return (min(first for first, _ in spans), max(last for _, last in spans)) if spans else None
 
+    def size_of(self, channels: Collection[Channel]) -> int:
+        """See `Source`."""
+        wanted = {channel.id for channel in channels}
+        return sum(s.size_of([c for c in s.channels if ids[c.id] in wanted]) for s, ids in self._parts())
+
     def close(self) -> None:
         """See `Source`."""
         for source in self._sources:

@@ -60,6 +60,10 @@ class FallbackSource:
         except Exception:  # reading the messages will meet the same damage
             return None
 
+    def size_of(self, channels: Collection[Channel]) -> int:
+        """See `Source`."""
+        return self._first.size_of(channels)
+
     def close(self) -> None:
         """See `Source`."""
         self._closed = True

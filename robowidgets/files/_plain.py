@@ -64,6 +64,10 @@ class PlainSource:
         """See `Source`."""
         return self._source.span_ns(self._inner[channel.id])
 
+    def size_of(self, channels: Collection[Channel]) -> int:
+        """See `Source`."""
+        return self._source.size_of([self._inner[channel.id] for channel in channels])
+
     def close(self) -> None:
         """See `Source`."""
         self._source.close()

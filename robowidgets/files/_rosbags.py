@@ -115,6 +115,13 @@ class RosbagsSource:
         """See `Source`."""
         return self._span_in(self._reader, channel.id) if self._span_in else self.arrivals.span_ns(channel.id)
 
+    def size_of(self, channels: Collection[Channel]) -> int:
+        """See `Source`."""
+        reader = self._reader
+        if not isinstance(reader, IndexedMcapReader):
+            return 0
+        return int(reader.index.compressed[reader.index.of([channel.id for channel in channels], None, None)].sum())
+
     def close(self) -> None:
         """See `Source`."""
         self._close()

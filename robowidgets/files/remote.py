@@ -105,6 +105,11 @@ class Fetched:
     def __init__(self, path: Path, url: str | None = None, copy: Copy | None = None) -> None:
         self.path, self.url, self._copy = path, url, copy
 
+    @property
+    def is_in_parts(self) -> bool:
+        """True if the recording is on a server and has no local copy."""
+        return self.url is not None and self._copy is None
+
     def keep(self, other: Fetched) -> None:
         """Keep another copy, too, until this object is closed."""
         self._copy = other._copy

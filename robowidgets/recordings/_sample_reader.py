@@ -284,6 +284,10 @@ class Messages:
             channels, lambda message, topic, time_ns: [(topic, self._seconds(time_ns), message.data)], "Reading texts"
         )
 
+    def size_of(self, topic: str) -> int:
+        """Return the number of bytes to read for all messages of a topic, or 0 if the index does not contain it."""
+        return self._source.size_of([channel for channel in self._source.channels if channel.topic == topic])
+
     def close(self) -> None:
         """Close the file; closing it again does nothing."""
         self._closed = True

@@ -49,6 +49,9 @@ if TYPE_CHECKING:
 _EVENT_BYTES = 500
 """Approximate bytes of an event in memory, without its text."""
 
+MOST_FETCHED, MOST_READ = 64 << 20, 4 << 30
+"""Bytes of a topic on a server and on a disk up to which all of it is read without a request."""
+
 _NOTHING = "record again; did any node publish, in the same ROS domain?"
 NO_SENSOR = "none of its topics has a widget for its kind of sensor"
 """The problem of a recording that no widget shows unless the user names a topic."""
@@ -464,6 +467,13 @@ class RecordingData:
             RecordingError: the recording is closed.
         """
         return self._of_kind(topic, Touch, Touches)
+
+    def why_long(self, topic: str) -> str:
+        """Return the reason why reading a whole topic takes long: the number of bytes, or an empty text."""
+        size = self._messages.size_of(topic)
+        if size <= (MOST_FETCHED if self._file.is_in_parts else MOST_READ):
+            return ""
+        return f"its messages lie in {megabytes(size)}{' on a server' * self._file.is_in_parts}"
 
     def transforms(self, every: int = 1, *, odometry: bool = True) -> Iterator[Transform]:
         """Return the transforms of odometry and tf, in the order of time.

@@ -79,6 +79,10 @@ class IndexedSource:
         """See `Source`."""
         return self._arrivals.span_ns(channel.id)
 
+    def size_of(self, channels: Collection[Channel]) -> int:
+        """See `Source`."""
+        return 0
+
     def close(self) -> None:
         """See `Source`."""
         self._close()

@@ -59,5 +59,8 @@ class Source(Protocol):
         Return None if the index does not contain them.
         """
 
+    def size_of(self, channels: Collection[Channel]) -> int:
+        """Return the number of bytes to read for all messages of some channels, or 0 if the index does not contain it."""
+
     def close(self) -> None:
         """Close the file; further calls do nothing."""

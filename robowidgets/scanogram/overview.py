@@ -70,6 +70,8 @@ def is_planar(recording: RecordingData, topics: Iterable[str]) -> bool:
 
 def _too_long(recording: RecordingData, topic: str, span: OpenSpan) -> str:
     """Return a line if a scanogram would take long, with the way to get it, or an empty text."""
+    if why := recording.why_long(topic):
+        return f"no scanogram: {why}; recording.show(scanogram=True) reads them"
     start, end = span[0] or 0.0, recording.duration if span[1] is None else span[1]
     share = (end - start) / recording.duration if recording.duration else 1.0
     count = round(share * sum(t.count for t in recording.topics if t.name == topic))

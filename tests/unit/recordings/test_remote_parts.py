@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -114,6 +115,19 @@ def test_readers_of_one_file_share_its_parts(server: RangeServer) -> None:
         with recording.reopened() as again:
             assert plain(again.at("/scan", 20.0)) == plain(recording.at("/scan", 20.0))
         assert [request for request in server.requests if request.startswith("GET")] == before
+
+
+def test_a_player_of_a_long_drive_reads_what_it_shows_and_makes_a_scanogram_on_request(tmp_path: Path) -> None:
+    path = long_drive.write(tmp_path / "long.mcap", 200, image=IMAGE)
+    with serving(path) as server, robowidgets.open(server.url) as recording:
+        before = server.sent
+        with closing(recording.show("/scan", "/speed")) as player:
+            assert player.scanogram is None
+            assert player.bar._note == (
+                "no scanogram: its messages lie in 180.3 MB on a server; recording.show(scanogram=True) reads them"
+            )
+            player.seek(100.0)
+            assert server.sent - before < 0.4 * path.stat().st_size
 
 
 def test_a_lost_connection_and_a_busy_server_are_asked_again(server: RangeServer, drive: Path, pauses: Pauses) -> None:
