@@ -11,6 +11,7 @@ from . import (
     drives,
     feeds,
     hour,
+    in_parts,
     large,
     layers,
     leaks,
@@ -128,6 +129,7 @@ def main() -> None:
     parser.add_argument("--feeds", action="store_true", help="only feeds; writes nothing")
     parser.add_argument("--stopping", action="store_true", help="only the times until a robot stops; writes nothing")
     parser.add_argument("--programs", action="store_true", help="only programs; writes nothing")
+    parser.add_argument("--parts", action="store_true", help="only a drive of 23 GB, read in parts; writes nothing")
     parser.add_argument("--recordings", action="store_true", help="only recordings; writes nothing")
     parser.add_argument("--simulator", action="store_true", help="only the simulated robot; writes nothing")
     parser.add_argument("--player", action="store_true", help="only the player; writes nothing")
@@ -155,6 +157,9 @@ def main() -> None:
         return
     if options.programs:
         print("\n".join(program_parts(quick=options.quick)))
+        return
+    if options.parts:
+        in_parts.compare()
         return
     if options.recordings:
         print("\n".join(recording_parts(repeats, quick=options.quick)))
