@@ -30,7 +30,7 @@ def open(path: str | os.PathLike[str]) -> Recording:  # noqa: A001  # the name t
         path: a ROS bag (``.bag``), a rosbag2 folder, a lone ``.db3`` or ``.mcap``, or a CARMEN log (``.log``, ``.clf``,
             gzipped or not). The readable parts of a damaged file are read, and `Recording.problems` lists the damage.
             Or its URL as text, such as ``"s3://bucket/drive.mcap"``, of any kind that fsspec reads (extra ``remote``):
-            an MCAP file of more than 32 MB with an index is read in parts, and keeps at most 64 MB in memory. All others
+            an MCAP file of more than 32 MB with an index is read in parts, which take up to 64 MB of memory. All others
             are fetched once, and fetched again after they have changed. Copies take up to 10 GB, or the size in the
             environment variable ``ROBOWIDGETS_CACHE_SIZE``, in the folder that ``ROBOWIDGETS_CACHE`` names.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Callable, Collection, Generator, Iterator
 from heapq import heappop, heappush
 from io import BytesIO
@@ -11,14 +12,30 @@ from typing import Any, BinaryIO, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.interfaces import Connection
-from rosbags.rosbag2.storage_mcap import ChunkInfo, McapReader, Msg, Statistics, msgsrc
+from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition, MessageDefinitionFormat
+from rosbags.rosbag2.storage_mcap import (
+    ChunkInfo,
+    McapReader,
+    Msg,
+    Schema,
+    Statistics,
+    msgsrc,
+    read_bytes,
+    read_string,
+)
 
+from ..messages.channel import Channel, definition_text, full_type
 from ..repair import RecordingError
 
 _MOST_SUMMARY = 1 << 29
 """Maximum bytes of a summary: it has some 300 bytes for each chunk."""
-_FOOTER_OP, _CHUNK_INDEX_OP, _OFFSETS_OP = 2, 8, 14
+_FOOTER_OP, _SCHEMA_OP, _CHANNEL_OP, _CHUNK_INDEX_OP, _OFFSETS_OP = 2, 3, 4, 8, 14
+_MAGIC = b"\x89MCAP0\r\n"
+_FOOTER = Struct("<9sQQI8s")
+_FOOTER_HEAD = b"\x02\x14" + bytes(7)
+_SHORT = Struct("<H")
+_NO_SCHEMA = Schema(0, "", "", "")
+_END = 2**63 - 1
 _RECORD = Struct("<BQ")
 _COLUMNS = ("start", "end", "offset", "length", "index_length", "compressed", "size")
 _MAP = 32
@@ -99,9 +116,38 @@ class IndexedMcapReader(McapReader):
         super().__init__(path)  # type: ignore[arg-type]
         self.index = _chunks_from(b"", [])
         self.is_near = is_near
+        self.named: dict[int, Channel] = {}
+        """The channels in the summary by their ids, without the numbers of their messages."""
+
+    def _open(self) -> None:
+        """Read the index of a file with any profile; `McapReader` opens only files of ROS 2."""
+        assert self.bio
+        bio = self.bio
+        bio.seek(len(_MAGIC))
+        _, size = _RECORD.unpack(bio.read(_RECORD.size))
+        is_ros2 = read_string(bio) == "ros2"
+        self.data_start = len(_MAGIC) + _RECORD.size + size
+        bio.seek(-_FOOTER.size, 2)
+        head, summary, *_, magic = _FOOTER.unpack(bio.read(_FOOTER.size))
+        if is_ros2 or not summary or (head, magic) != (_FOOTER_HEAD, _MAGIC):
+            bio.seek(0)
+            super()._open()
+            return
+        self.data_end = summary
+        self.read_index()
+        if self.statistics is None:
+            raise RecordingError(f"{self.path}: its summary has no statistics")
+        count, *_, start, end, counts = self.statistics
+        self.connections = [one._replace(msgcount=counts.get(one.id, 0)) for one in self.connections]
+        self.metadata = self.metadata._replace(
+            duration=end - start + 1 if count else 0,
+            start_time=start if count else _END,
+            end_time=end + 1 if count else 0,
+            message_count=count,
+        )
 
     def read_index(self) -> None:
-        """Read the summary; `McapReader` parses all records but the indexes of chunks."""
+        """Read the summary; `McapReader` parses the statistics."""
         assert self.bio
         bio, summary = self.bio, self.data_end
         size = bio.seek(0, 2) - summary
@@ -115,16 +161,23 @@ class IndexedMcapReader(McapReader):
         if len(raw) != size:
             raise RecordingError(f"{self.path}: its summary is cut off")
         rest, records = bytearray(), []
+        schemas: dict[int, Schema] = {}
+        channels: dict[int, BytesIO] = {}
         at = 0
         while (op := raw[at]) not in (_FOOTER_OP, _OFFSETS_OP):
             _, size = _RECORD.unpack_from(raw, at)
-            end = at + _RECORD.size + size
+            start, end = at + _RECORD.size, at + _RECORD.size + size
             if op == _CHUNK_INDEX_OP:
-                records.append((at + _RECORD.size, size))
+                records.append((start, size))
+            elif op == _SCHEMA_OP:
+                schemas.setdefault(*_schema(raw[start:end]))
+            elif op == _CHANNEL_OP:
+                channels.setdefault(int.from_bytes(raw[start : start + 2], "little"), BytesIO(raw[start + 2 : end]))
             else:
                 rest += raw[at:end]
             at = end
         self.index = _chunks_from(raw, records)
+        self._name(schemas, channels)
         self.bio, self.data_end = BytesIO(bytes(rest) + bytes([_FOOTER_OP])), 0
         try:
             super().read_index()
@@ -132,6 +185,20 @@ class IndexedMcapReader(McapReader):
             self.bio, self.data_end = bio, summary
         if self.statistics is None and len(self.index.starts):
             self.statistics = self._count()
+
+    def _name(self, schemas: dict[int, Schema], channels: dict[int, BytesIO]) -> None:
+        """Note the channels, with schemas in any language; rosbags knows the languages of ROS 2 only."""
+        self.schemas.update(schemas or ({0: _NO_SCHEMA} if channels else {}))
+        for number, record in channels.items():
+            (schema_id,) = _SHORT.unpack(record.read(2))
+            topic, encoding = read_string(record), read_string(record)
+            missing = _NO_SCHEMA if schema_id == 0 else _NO_SCHEMA._replace(name=SCHEMALESS)
+            schema = schemas.get(schema_id, missing)
+            text = definition_text(schema.encoding, schema.name, schema.data)
+            self.named[number] = Channel(number, topic, full_type(schema.name), encoding, text, 0)
+            nothing = MessageDefinition(MessageDefinitionFormat.NONE, "")
+            extra = ConnectionExtRosbag2(encoding, [])
+            self.connections.append(Connection(number, topic, schema.name, nothing, "", 0, extra, self))
 
     def meta_scan(self) -> None:
         """Read the whole file if that is allowed, and needed because the file has no index."""
@@ -189,6 +256,15 @@ class IndexedMcapReader(McapReader):
 
 _SUMMARY_OPS = frozenset((2, 3, 4, 8, 10, 11, 13, 14, 15))
 """The types of records that a summary, or the footer after an empty one, begins with."""
+
+
+def _schema(record: bytes) -> tuple[int, Schema]:
+    """Return a schema with its number. The text of protobuf is bytes, in base64."""
+    (number,) = _SHORT.unpack(record[:2])
+    rest = BytesIO(record[2:])
+    name, encoding, data = read_string(rest), read_string(rest), read_bytes(rest)
+    text = b64encode(data).decode() if encoding == "protobuf" else data.decode("utf-8", errors="replace")
+    return number, Schema(number, name, encoding, text)
 
 
 def _push(opened: list[tuple[int, int, Iterator[Msg], Msg]], messages: Iterator[Msg]) -> None:

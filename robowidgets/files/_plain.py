@@ -26,7 +26,12 @@ Encode = Callable[[bytes], bytes]
 
 def in_ros(source: Source) -> Source:
     """Return a source whose JSON messages, and protobuf messages if protobuf is installed, are messages of ROS 2."""
-    return PlainSource(source) if any(channel.encoding in _PLAIN for channel in source.channels) else source
+    return PlainSource(source) if is_plain(source) else source
+
+
+def is_plain(source: Source) -> bool:
+    """Return True if a source has messages in JSON or protobuf."""
+    return any(channel.encoding in _PLAIN for channel in source.channels)
 
 
 class PlainSource:

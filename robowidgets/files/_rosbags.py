@@ -89,7 +89,10 @@ class RosbagsSource:
         self._reader = reader
         self._arrivals_in, self._span_in = arrivals_in, span_in
         self._connections = {c.id: c for c in reader.connections}
-        self.channels = tuple(_channel(c) for c in reader.connections)
+        named: dict[int, Channel] = getattr(reader, "named", {})
+        self.channels = tuple(
+            named[c.id]._replace(count=c.msgcount) if c.id in named else _channel(c) for c in reader.connections
+        )
         about = reader if isinstance(reader, BagReader) else reader.metadata
         empty = about.start_time == _NEVER or not any(c.count for c in self.channels)
         self.start_ns: int | None = None if empty else about.start_time

@@ -24,7 +24,7 @@ from . import METADATA, counts_up, open_as_ros
 from ._copies import Copy, copies_folder, find, holding, make
 from ._driver_errors import asked, fail
 from ._fallback import FallbackSource
-from ._plain import in_ros
+from ._plain import is_plain
 from ._rosbags import open_mcap
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(://|::)")
@@ -270,13 +270,16 @@ def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
         if has_clock_step(source.arrivals):
             source.close()
             raise _WholeError("its clock was set")
+        if is_plain(source):
+            source.close()
+            raise _WholeError("it has JSON or protobuf, whose fields are found by reading many messages")
     except (RemoteError, _WholeError):
         raise
     except NoPartsError:
         raise _WholeError("its server sends no parts") from None
     except Exception:  # rosbags raises anything
         raise _WholeError("it has no index that is complete and in order") from None
-    return fetched, in_ros(FallbackSource(source, repaired))
+    return fetched, FallbackSource(source, repaired)
 
 
 def state_of(url: str) -> str | None:

@@ -285,7 +285,7 @@ class Messages:
         )
 
     def size_of(self, topic: str) -> int:
-        """Return the number of bytes to read for all messages of a topic, or 0 if the index does not contain it."""
+        """Return the number of bytes to read for all messages of a topic, or 0 if it is unknown."""
         return self._source.size_of([channel for channel in self._source.channels if channel.topic == topic])
 
     def close(self) -> None:

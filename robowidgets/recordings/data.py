@@ -102,7 +102,7 @@ class RecordingData:
 
     @property
     def path(self) -> Path:
-        """The file or folder of the recording, or the local copy of a remote one; if it is read in parts, there is none."""
+        """The file or folder of the recording, or the local copy of a remote one, missing if it is read in parts."""
         return self._path
 
     @property

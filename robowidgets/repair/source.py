@@ -60,7 +60,7 @@ class Source(Protocol):
         """
 
     def size_of(self, channels: Collection[Channel]) -> int:
-        """Return the number of bytes to read for all messages of some channels, or 0 if the index does not contain it."""
+        """Return the number of bytes to read for all messages of some channels, or 0 if it is unknown."""
 
     def close(self) -> None:
         """Close the file; further calls do nothing."""

@@ -27,6 +27,7 @@ def write(
     rare: int = 0,
     overlap_ns: int = 0,
     profile: str = "ros2",
+    encoding: str = "cdr",
 ) -> Path:
     """A drive with a chunk each second: ten scans, two speeds and an image of so many zeros, which are a hole on disk.
 
@@ -38,6 +39,7 @@ def write(
         rare: the number of further topics with three messages each, at different times in the middle.
         overlap_ns: how much before the end of the chunk before it a chunk begins.
         profile: the profile in the header.
+        encoding: the encoding that the other topics claim.
     """
     topics = [("/scan", SCAN), ("/speed", _SPEED), ("/camera", _IMAGE)]
     topics += [(f"/other_{i}", _SPEED) for i in range(others)] + [(f"/rare_{i}", _SPEED) for i in range(rare)]
@@ -55,7 +57,8 @@ def write(
             file.write(_record(3, struct.pack("<H", number) + _text(name) + _text("ros2msg") + _text("")))
         for channel, (topic, name) in enumerate(topics):
             schema = 1 + [SCAN, _SPEED, _IMAGE].index(name)
-            file.write(_record(4, struct.pack("<HH", channel, schema) + _text(topic) + _text("cdr") + bytes(4)))
+            named = encoding if channel > 2 else "cdr"
+            file.write(_record(4, struct.pack("<HH", channel, schema) + _text(topic) + _text(named) + bytes(4)))
         first, last = START_NS - overlap_ns, max(end for _, end, _ in indexes)
         table = b"".join(struct.pack("<HQ", *one) for one in counts.items())
         head = struct.pack("<QHIIIIQQ", sum(counts.values()), 3, len(topics), 0, 0, chunks, first, last)

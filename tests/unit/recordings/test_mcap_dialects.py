@@ -36,12 +36,13 @@ def write(
     path: Path,
     topics: Mapping[str, tuple[str, str, bytes, str]],
     messages: Iterable[tuple[float, str, bytes]],
+    profile: str = "ros2",
     **options: Any,
 ) -> Path:
     """An MCAP file; each topic has the name, the language and the text of its schema, and an encoding."""
     with path.open("wb") as file:
         writer = Writer(file, **options)
-        writer.start("ros2", "test")
+        writer.start(profile, "test")
         channels = {
             topic: writer.register_channel(topic, encoding, writer.register_schema(name, language, text))
             for topic, (name, language, text, encoding) in topics.items()
@@ -171,3 +172,30 @@ def test_idl_of_a_recorder_is_read(data: Path) -> None:
         assert (len(voltage), voltage[0], voltage[-1]) == (30, pytest.approx(12.5), pytest.approx(12.21))
         assert len(recording.scans("/scan")) == 30
         assert "!" not in recording.info()
+
+
+@pytest.mark.parametrize("profile", ["", "ros1", "ros2"])
+def test_a_file_with_an_index_is_not_walked_through_whatever_its_profile_and_its_languages(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, profile: str
+) -> None:
+    topics = {
+        "/scan": ("sensor_msgs/msg/LaserScan", "ros2msg", text_of("sensor_msgs/msg/LaserScan"), "cdr"),
+        "/state": ("State", "jsonschema", b"{}", "json"),
+    }
+    states = [(i / 10, "/state", b'{"gear": %d}' % i) for i in range(40)]
+    path = write(tmp_path / "drive.mcap", topics, sorted([*scans(), *states]), profile)
+    whole = topics_and_values(path)
+
+    def refused(*_: Any) -> None:
+        raise AssertionError("the file is walked through")
+
+    monkeypatch.setattr("robowidgets.files.open_repaired", refused)
+    assert topics_and_values(path) == whole
+    assert whole[1] == [float(i) for i in range(40)]
+
+
+def topics_and_values(path: Path) -> tuple[Any, list[float], int]:
+    with robowidgets.open(path) as recording:
+        assert not recording.problems
+        gears = [moment.message.gear for moment in recording.messages("/state")]
+        return recording.topics, gears, len(recording.scans())

@@ -203,7 +203,16 @@ def test_a_server_that_sends_other_ranges_than_requested_is_reported(server: Ran
         robowidgets.open(server.url)
 
 
-@pytest.mark.parametrize("damage", ["no index", "an index that lies", "another profile", "a clock set back"])
+def test_a_file_of_another_program_is_read_in_parts(drive: Path, cache: Path) -> None:
+    long_drive.write(drive, CHUNKS, image=IMAGE, profile="")
+    with serving(drive) as server, robowidgets.open(drive) as here, robowidgets.open(server.url) as there:
+        assert there.topics == here.topics
+        assert [*there.find(NEAR)] == [*here.find(NEAR)] != []
+        assert "GET" not in server.requests
+    assert not copies(cache)
+
+
+@pytest.mark.parametrize("damage", ["no index", "an index that lies", "JSON", "a clock set back"])
 def test_a_file_without_a_usable_index_is_fetched_whole(
     damage: str, drive: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -213,8 +222,8 @@ def test_a_file_without_a_usable_index_is_fetched_whole(
     elif damage == "an index that lies":
         raw[-28:-20] = (1 << 20).to_bytes(8, "little")  # the offset of the summary, in the footer
         drive.write_bytes(raw)
-    elif damage == "another profile":
-        long_drive.write(drive, CHUNKS, image=IMAGE, profile="other")
+    elif damage == "JSON":
+        long_drive.write(drive, CHUNKS, image=IMAGE, others=3, encoding="json")
     else:
         long_drive.write(drive, CHUNKS, image=IMAGE, overlap_ns=2 * 10**9)
     bars: list[str] = []
