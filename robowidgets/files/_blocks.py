@@ -160,8 +160,12 @@ def driver_fetch(system: Any, path: str, is_same: Callable[[], bool], shown: str
         shown: the URL for messages.
     """
     file = system.open(path, "rb", cache_type="none")
-    # `_fetch_range` is the method that drivers provide for ranges; other files, such as those in memory, lack it.
-    read = getattr(file, "_fetch_range", lambda start, end: system.cat_file(path, start=start, end=end))
+
+    def of_file(start: int, end: int) -> bytes:
+        return bytes(system.cat_file(path, start=start, end=end))
+
+    # Drivers provide this method for ranges; files in memory, for example, lack it.
+    read = getattr(file, "_fetch_range", of_file)
     is_checked = "IfMatch" in getattr(file, "read_kw", ())
 
     def fetch(start: int, end: int) -> bytes:

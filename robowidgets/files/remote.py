@@ -251,7 +251,7 @@ def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
         return _object(asked(lambda: system.info(path), shown), path).state == found.objects[0].state
 
     def open_parts() -> Parts:
-        if "http" in system.protocol or "https" in system.protocol:
+        if {"http", "https"} & {*([system.protocol] if isinstance(system.protocol, str) else system.protocol)}:
             fetch_range = web_fetch(system, path, size, found.objects[0].headers, shown)
         else:
             fetch_range = asked(lambda: driver_fetch(system, path, is_same, shown), shown)
