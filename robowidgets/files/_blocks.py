@@ -166,7 +166,7 @@ def driver_fetch(system: Any, path: str, is_same: Callable[[], bool], shown: str
 
     # Drivers provide this method for ranges; files in memory, for example, lack it.
     read = getattr(file, "_fetch_range", of_file)
-    is_checked = "IfMatch" in getattr(file, "read_kw", ())
+    is_checked = "IfMatch" in {**getattr(file, "req_kw", {}), **getattr(file, "read_kw", {})}
 
     def fetch(start: int, end: int) -> bytes:
         try:

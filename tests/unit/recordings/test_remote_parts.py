@@ -74,6 +74,7 @@ def plain(moment: Any) -> tuple[Any, ...]:
     return moment.topic, moment.time_ns, tuple(values)
 
 
+@pytest.mark.slow
 def test_topics_take_few_requests_and_each_moment_few_more(tmp_path: Path, cache: Path) -> None:
     path = long_drive.write(tmp_path / "long.mcap", 2000, image=IMAGE, others=20, rare=12)
     assert path.stat().st_size > 1.8e9
@@ -117,6 +118,7 @@ def test_readers_of_one_file_share_its_parts(server: RangeServer) -> None:
         assert [request for request in server.requests if request.startswith("GET")] == before
 
 
+@pytest.mark.slow
 def test_a_player_of_a_long_drive_reads_what_it_shows_and_makes_a_scanogram_on_request(tmp_path: Path) -> None:
     path = long_drive.write(tmp_path / "long.mcap", 200, image=IMAGE)
     with serving(path) as server, robowidgets.open(server.url) as recording:
@@ -269,8 +271,9 @@ def test_other_file_systems_are_read_in_parts_and_checked_for_changes(drive: Pat
     assert not copies(cache)
 
 
+@pytest.mark.slow
 def test_a_search_in_a_large_local_file_takes_little_memory(tmp_path: Path) -> None:
-    path = long_drive.write(tmp_path / "large.mcap", 400, image=IMAGE)
+    path = long_drive.write(tmp_path / "large.mcap", 200, image=IMAGE)
     tracemalloc.start()
     with robowidgets.open(path) as recording:
         assert len([*recording.find(lambda moment: moment.scan.distance() < 1.5)])
