@@ -25,7 +25,7 @@ from rosbags.rosbag2.storage_mcap import (
 )
 
 from ..messages.channel import Channel, definition_text, full_type
-from ..repair import RecordingError
+from ..repair import USED_METADATA, RecordingError
 
 _MOST_SUMMARY = 1 << 29
 """Maximum bytes of a summary: it has some 300 bytes for each chunk."""
@@ -192,10 +192,11 @@ class IndexedMcapReader(McapReader):
         for number, record in channels.items():
             (schema_id,) = _SHORT.unpack(record.read(2))
             topic, encoding = read_string(record), read_string(record)
+            about = _used_metadata(read_bytes(record))
             missing = _NO_SCHEMA if schema_id == 0 else _NO_SCHEMA._replace(name=SCHEMALESS)
             schema = schemas.get(schema_id, missing)
             text = definition_text(schema.encoding, schema.name, schema.data)
-            self.named[number] = Channel(number, topic, full_type(schema.name), encoding, text, 0)
+            self.named[number] = Channel(number, topic, full_type(schema.name), encoding, text, 0, (), about)
             nothing = MessageDefinition(MessageDefinitionFormat.NONE, "")
             extra = ConnectionExtRosbag2(encoding, [])
             self.connections.append(Connection(number, topic, schema.name, nothing, "", 0, extra, self))
@@ -265,6 +266,16 @@ def _schema(record: bytes) -> tuple[int, Schema]:
     name, encoding, data = read_string(rest), read_string(rest), read_bytes(rest)
     text = b64encode(data).decode() if encoding == "protobuf" else data.decode("utf-8", errors="replace")
     return number, Schema(number, name, encoding, text)
+
+
+def _used_metadata(record: bytes) -> tuple[tuple[str, str], ...]:
+    """Return `Channel.metadata` from the map of a channel."""
+    pairs, rest = [], BytesIO(record)
+    while rest.tell() < len(record):
+        name, value = read_string(rest), read_string(rest)
+        if name in USED_METADATA:
+            pairs.append((name, value))
+    return tuple(pairs)
 
 
 def _push(opened: list[tuple[int, int, Iterator[Msg], Msg]], messages: Iterator[Msg]) -> None:

@@ -20,7 +20,7 @@ from ..notebook.progress import Progress
 from ..repair import SUFFIX, RecordingError, RemoteError, Source, has_clock_step, open_repaired
 from ..runtime.text import listed, many, megabytes
 from ..runtime.urls import without_secrets
-from . import METADATA, counts_up, open_as_ros
+from . import METADATA, counts_up, open_source
 from ._copies import Copy, copies_folder, find, holding, make
 from ._driver_errors import asked, fail
 from ._fallback import FallbackSource
@@ -135,7 +135,7 @@ def held(path: Path) -> Fetched:
 
 
 def opened(url: str) -> tuple[Fetched, Source]:
-    """Return the recording at a URL, and its messages with JSON and protobuf as messages of ROS 2.
+    """Return the recording at a URL, and its messages as the file has them.
 
     A large MCAP file with an index is read in parts; nothing lies at its path. All others are fetched whole.
 
@@ -162,7 +162,7 @@ def opened_here(path: Path) -> tuple[Fetched, Source]:
 
 def _opened(file: Fetched) -> tuple[Fetched, Source]:
     try:
-        return file, open_as_ros(file.path)
+        return file, open_source(file.path)
     except BaseException:
         file.close()
         raise

@@ -128,6 +128,12 @@ def _last(source: Source, channel: Channel, start_ns: int) -> Message | None:
 
 def _extras(recording: Path) -> tuple[list[NamedValues], list[Attachment], list[str]]:
     """Return the metadata records and the attachments of the MCAP files of a recording, and lines on lost ones."""
+    if not recording.exists():
+        return (
+            [],
+            [],
+            [f"attachments and metadata of {recording.name} are left out: it is read from its server in parts"],
+        )
     from mcap.exceptions import McapError
     from mcap.reader import make_reader
 

@@ -27,7 +27,8 @@ _MAX_COMPRESSION = 16
 _RECORD = re.compile(rb"(?=[\x01-\x0f].{4}\0{4})", re.DOTALL)
 _IN_A_ROW = 3
 _READ_AT_ONCE = 1 << 20
-_USED_METADATA = ("offered_qos_profiles", "latching")
+USED_METADATA = ("offered_qos_profiles", "latching")
+"""The names of `Channel.metadata`."""
 
 
 def walk_mcap(path: Path) -> Walk:
@@ -84,7 +85,7 @@ class _Reader(RecordReader):
         channels = []
         for number, (schema_id, topic, encoding, metadata) in self.named.items():
             schema = self.schemas.get(schema_id, _Schema("", "", ""))
-            about = tuple((name, value) for name, value in metadata if name in _USED_METADATA)
+            about = tuple((name, value) for name, value in metadata if name in USED_METADATA)
             channels.append(Channel(number, topic, full_type(schema.name), encoding, schema.text, 0, (), about))
         return channels
 

@@ -205,6 +205,16 @@ def test_a_server_that_sends_other_ranges_than_requested_is_reported(server: Ran
         robowidgets.open(server.url)
 
 
+def test_a_cut_has_the_messages_of_a_cut_of_the_local_file(server: RangeServer, drive: Path, tmp_path: Path) -> None:
+    with robowidgets.open(drive) as here, robowidgets.open(server.url) as there:
+        cuts = [one[20:22].to_mcap(tmp_path / f"{number}.mcap") for number, one in enumerate((here, there))]
+    with robowidgets.open(cuts[0]) as first, robowidgets.open(cuts[1]) as second:
+        assert [topic._replace(rate=None) for topic in first.topics] == [
+            topic._replace(rate=None) for topic in second.topics
+        ]
+        assert np.array_equal(first.scans().ranges, second.scans().ranges)
+
+
 def test_a_file_of_another_program_is_read_in_parts(drive: Path, cache: Path) -> None:
     long_drive.write(drive, CHUNKS, image=IMAGE, profile="")
     with serving(drive) as server, robowidgets.open(drive) as here, robowidgets.open(server.url) as there:
