@@ -177,7 +177,7 @@ class Looker(Rewriter):
     def _noted_rays(self, node: Any, kind: str, names: tuple[str, ...]) -> Any:
         if node.func.attr == "distance" or self._notes_lines():
             return super()._noted_rays(node, kind, names)
-        # The ray that a method returns says where it points, so that its arguments are not noted.
+        # The arguments are not noted: the ray that a method returns has its index.
         has_walrus = any(isinstance(one, ast.NamedExpr) for one in ast.walk(node))
         scan, node.func.value, extras = self._operand(node.func.value, 0, is_read=not has_walrus)
         node.args = [self._sub(one) for one in node.args]
