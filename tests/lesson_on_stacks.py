@@ -70,7 +70,12 @@ def lesson() -> None:
         while True:
             pass
 
-    say("check", str(lessons.check(nearest_on_the_left)).splitlines()[-1].strip())
+    say("check", lessons.check(nearest_on_the_left).wrong[0])
+
+    def nearest_on_the_left(scan):  # type: ignore[no-untyped-def]
+        return scan.distance("right")
+
+    say("lines", " ".join(str(lessons.check(nearest_on_the_left).lines).split()[-3:]))
     say("right", bool(lessons.check(lambda scan: scan.distance("left"), "nearest_on_the_left")))
     feed.close()
     say("closed", True)

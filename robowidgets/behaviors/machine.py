@@ -13,17 +13,18 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
 from functools import lru_cache
-from types import SimpleNamespace
+from types import FunctionType, SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..kinds import KINDS
+from ..reasons.look import Look, Reasons
 from ..runtime.inform import inform
 from ..samples import Ray
 from ..samples.checks import finite
 from ..samples.state_span import StateSpan, spelled
-from ..samples.verdict import Trace, Verdict
+from ..samples.verdict import Verdict
 from ._outline import DONE, Move, Node, Outline, described, outline_of
 from ._parameters import asked_by
 from .drive import Drive
@@ -65,7 +66,7 @@ class EventVerdict(NamedTuple):
     """The result of an event: True, False or None for unknown, and the values that it read (None for `done`)."""
 
     value: bool | None
-    saw: Verdict | Trace | None = None
+    saw: Verdict | Reasons | None = None
 
     @property
     def text(self) -> str:
@@ -75,7 +76,7 @@ class EventVerdict(NamedTuple):
     @property
     def nearest(self) -> Ray | None:
         """The nearest ray that was looked at."""
-        return self.saw.nearest() if isinstance(self.saw, Trace) else self.saw.nearest if self.saw else None
+        return self.saw.nearest() if isinstance(self.saw, Reasons) else self.saw.nearest if self.saw else None
 
 
 class MachineStep(NamedTuple):
@@ -165,6 +166,8 @@ class Machine:
         self.turns = self.at = ""
         self.current: Callable[..., Any] = self.__call__
         self.asking = _asked_for(self.root)
+        for event in _events(self.root):  # not in the first step, which would be late
+            _look(event).prepare()
         self.asks_for = list(self.asking)
         self._states: dict[str, tuple[str, float]] = {}
         """By path of a machine: its active state, and the time when that was entered."""
@@ -390,11 +393,14 @@ class Machine:
         if hasattr(event, "judge"):
             verdict: Verdict = event.judge(SimpleNamespace(**self._given(event.reads, name)))
             return EventVerdict(verdict.value, verdict)
-        trace = Trace()
-        result = self._call(event, since, owner, trace.named)
+        given = self._enter_call(event, since, owner)
+        if self.lines is None:
+            result, reasons = _look(event)(**given)
+        else:
+            result, reasons = self.lines.call_event(event, given)
         if isinstance(result, (bool, np.bool_)) or result is None:
             # True moves the machine in any case. A False that depends on unknown distances is shown as unknown.
-            return EventVerdict(bool(result) or trace.value(result), trace)
+            return EventVerdict(bool(result) or reasons.value(result), reasons)
         raise TypeError(f"the event {name} returned {result!r}: expected True or False")
 
     def _seconds_of(self, machine: Outline, move: Move, after: str) -> float:
@@ -449,24 +455,20 @@ class Machine:
                 f"{spelled(node.path)} returned {result!r}: expected a Drive, or None to keep the speed{hint}"
             )
 
-    def _call(
-        self,
-        function: Callable[..., Any],
-        since: float,
-        owner: str,
-        wrap: Callable[[str, Any], Any] = lambda _, value: value,
-    ) -> Any:
-        """Call a function of the user with the values that it asks for.
+    def _call(self, function: Callable[..., Any], since: float, owner: str) -> Any:
+        """Call a function of the user with the values that it asks for."""
+        given = self._enter_call(function, since, owner)
+        return function(**given) if self.lines is None else self.lines.call(function, given)
 
-        ``owner`` is the path of the machine whose active state has the function, empty for the root. ``wrap`` turns the
-        name and the value of a parameter into the argument.
+    def _enter_call(self, function: Callable[..., Any], since: float, owner: str) -> dict[str, Any]:
+        """Return the values that a function of the user asks for, which is called next.
+
+        ``owner`` is the path of the machine whose active state has the function, empty for the root.
         """
         self.current = function
         began, now = self._marks.get(owner, (0.0, 0.0)), self._odometer
         self._values |= {SINCE: since, DRIVEN: now[0] - began[0], TURNED: now[1] - began[1]}
-        given = self._given(_parameters(function), function.__name__)
-        given = {name: wrap(name, value) for name, value in given.items()}
-        return function(**given) if self.lines is None else self.lines.call(function, given)
+        return self._given(_parameters(function), function.__name__)
 
     def _given(self, asked: Iterable[str], name: str) -> dict[str, Any]:
         """Return the values that a function or a condition asks for; TypeError if a redefinition asks for new ones."""
@@ -476,6 +478,10 @@ class Machine:
             raise TypeError(
                 f"{name} asks for {missing}, which it did not when the machine was made: run the machine's cell again"
             ) from None
+
+
+_look = lru_cache(maxsize=500)(Look)
+"""Returns the rewritten form of an event."""
 
 
 @lru_cache(maxsize=500)
@@ -492,6 +498,14 @@ def _ways_to_states(
         for name, state in machine.states.items():
             yield (*way, (machine, name)), state
             yield from _ways_to_states(state, (*way, (machine, name)))
+
+
+def _events(root: Node) -> Iterator[Callable[..., Any]]:
+    """Yield the functions that are events."""
+    for machine in (machine for node in root.nodes() for machine in node.machines):
+        for name in dict.fromkeys(move.event for move in machine.moves):
+            if name is not None and name != DONE and isinstance(event := machine.look_up(name), FunctionType):
+                yield event
 
 
 def _asked_for(root: Node) -> dict[str, str]:

@@ -8,6 +8,7 @@ from functools import wraps
 from math import inf
 from typing import Any
 
+from ..behaviors.lines.watch import LineWatch
 from ..behaviors.prints import Prints
 from ..runtime.no_input import without_input
 from ..runtime.platform_fixes import capture_prints, release_prints
@@ -34,15 +35,17 @@ class WrongError(Exception):
     Args:
         text: English, with a field in braces for each value, as for `say`.
         advice: advice in the language of the lesson.
+        step: the number of the call with the fault, from 1, or None for the last call.
 
     Attributes:
         fault: `text`, which identifies the fault in all languages.
     """
 
-    def __init__(self, text: str, *, advice: str = "", **values: Any) -> None:
+    def __init__(self, text: str, *, advice: str = "", step: int | None = None, **values: Any) -> None:
         super().__init__(say(text, **values))
         self.fault = text
         self.advice = advice
+        self.step = step
 
 
 class BrokenError(WrongError):
@@ -58,11 +61,17 @@ class Bounded:
     Attributes:
         prints: the last lines that the functions printed.
         hints: the hints since `begin_case`.
+        steps: the last calls since `begin_case`, with the values of their lines.
+        is_late: True if the last call has not returned.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self.prints = Prints()
         self.hints: list[str] = []
+        self._lines = LineWatch()
+        self._is_prepared = False
+        self.steps = self._lines.add_view()
+        self.is_late = False
         self._clock = clock
         self._took: list[float] = []
 
@@ -70,6 +79,7 @@ class Bounded:
         """Reset the calls, their time and the hints for another case."""
         self._took.clear()
         self.hints.clear()
+        self.steps.clear()
 
     def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Return the function wrapped so that it raises `BrokenError` for any exception, or if it or the case is late.
@@ -77,17 +87,23 @@ class Bounded:
         Each call runs in a new thread. A late call is ended at its next line of Python. A call that waits inside a
         library stays until it returns.
         """
+        program = str(getattr(function, "__name__", "")), 0
+        if not self._is_prepared:
+            self._is_prepared = True
+            self._lines.prepare(program, function)
 
         @wraps(function)
         def within_limit(*args: Any, **kwargs: Any) -> Any:
             returned: list[Any] = []
             raised: list[BaseException] = []
 
+            number = len(self._took) + 1
+
             def run() -> None:
                 capture_prints(self._take_print)
                 try:
                     with hearing(self._take_hint), without_input():
-                        returned.append(function(*args, **kwargs))
+                        returned.append(self._lines.step(program, (number, 0.0), function, kwargs, *args))
                 except BaseException as error:
                     raised.append(error)
                 finally:
@@ -113,6 +129,7 @@ class Bounded:
             passed += min(looked_at - before, ANSWER.max_gap)
         self._took.append(passed)
         if not is_over:
+            self.is_late = True
             at_work = getattr(function, "current", function)  # a state machine has its running function in `current`
             line = line_of(at_work, frames_of(thread)).removeprefix(", ")
             self._end(thread)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol
 
+from ..behaviors.lines.watch import WatchedStep
 from ..behaviors.machine import Machine
 from ..behaviors.prints import Prints
 from ..behaviors.simulation import function_of
 from ._bounded import Bounded, BrokenError, WrongError
 from ._case import Case
+from ._lines import CaseLines
 from ._programs import back_off, follow_wall, stop_before_wall, wall_ahead
 from ._progress import keep
 from ._result import Result
@@ -29,8 +31,9 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
     """Check the answer to a task: a function, or a program or state machine that drives the simulated robot.
 
     Errors of the function appear in the result and are not raised. A step may take half a second, as on a live robot,
-    and all steps of a case together 10 s of the computer's time. The result contains the last three lines that the
-    function printed. After `progress`, the result is saved, and is in the language of the lesson.
+    and all steps of a case together 10 s of the computer's time. The result contains the lines of the function with
+    their values in the first wrong case, and the last three lines that the function printed. After `progress`, the
+    result is saved, and is in the language of the lesson.
 
     Args:
         function: ``nearest_on_the_left(scan)``, ``fits_through(scan)``, ``stop_at_wall(scan)``,
@@ -60,10 +63,15 @@ def check(function: Callable[..., Any], task: str | None = None) -> Result:
 
 
 class Caller(Protocol):
-    """A caller of an answer, with the prints and the hints of the calls."""
+    """A caller of an answer, with the prints, the hints and the lines of the calls."""
 
     prints: Prints
     hints: list[str]
+    is_late: bool
+
+    @property
+    def steps(self) -> Iterable[WatchedStep]:
+        """The last calls of the case; empty if their lines are not known."""
 
     def begin_case(self) -> None:
         """Begin another case."""
@@ -76,6 +84,7 @@ def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bound
     """Return the result of a function on some cases, within limits."""
     right, wrong, given = 0, list[str](), set[str]()
     sample, fault = None, ""
+    lines: CaseLines | None = None
     for case in cases:
         bounded.begin_case()
         error = _error_of(case, function, bounded)
@@ -88,11 +97,12 @@ def judged(function: Callable[..., Any], name: str, cases: Sequence[Case], bound
         given.update(hints)
         wrong.append(". ".join((f"{case.title}: {error}", *advice)))
         sample, fault = (case.sample if sample is None else sample), fault or error.fault
+        lines = lines or _lines_of(case, error, bounded)
         if isinstance(error, BrokenError):
             break
     if wrong and (note := _note_of(function)):
         wrong[0] = f"{wrong[0]}. {note}"
-    return Result(name, wrong, right, len(cases), sample, [text for _, text in bounded.prints.lines], fault)
+    return Result(name, wrong, right, len(cases), sample, [text for _, text in bounded.prints.lines], fault, lines)
 
 
 def example(name: str) -> Any:
@@ -114,6 +124,16 @@ def _error_of(case: Case, function: Callable[..., Any], bounded: Caller) -> Wron
     except WrongError as error:
         return error
     return None
+
+
+def _lines_of(case: Case, error: WrongError, bounded: Caller) -> CaseLines | None:
+    """Return the lines of the call with a fault, or None if they are not known."""
+    steps = {step.number: step for step in bounded.steps}
+    if not steps:
+        return None
+    last = max(steps)
+    step = steps.get(last if error.step is None else error.step, steps[last])
+    return CaseLines(case.title, case.sample, step, is_drive=last > 1, is_late=bounded.is_late)
 
 
 def _note_of(function: Callable[..., Any]) -> str:

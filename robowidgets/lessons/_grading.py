@@ -18,6 +18,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple
 
 from ..behaviors.drive import Drive
+from ..behaviors.lines.watch import WatchedStep
 from ..behaviors.prints import Prints
 from ..runtime.import_path import import_path
 from ._answers import OWN
@@ -203,6 +204,7 @@ class _Remote:
 
     def __init__(self, process: _Process, task: str, *, is_program: bool) -> None:
         self.prints, self.hints = Prints(), list[str]()
+        self.steps, self.is_late = list[WatchedStep](), False
         self._process, self._task, self._is_program = process, task, is_program
         self._asks_for = process.ask("begin", task, is_program)
 

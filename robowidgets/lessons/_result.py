@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
+from ._lines import CaseLines
 from ._texts import say
 
 
@@ -20,6 +21,7 @@ class Result:
         sample: the scan or touch of the first wrong case, or None if all are right.
         prints: the last lines that the function printed.
         fault: the fault of the first wrong case, the same text in all languages.
+        lines: the lines of the answer in the first wrong case, with their values; None if they are not known.
     """
 
     def __init__(
@@ -31,6 +33,7 @@ class Result:
         sample: Any = None,
         prints: Sequence[str] = (),
         fault: str = "",
+        lines: CaseLines | None = None,
     ) -> None:
         self.name = name
         self.prints = tuple(prints)
@@ -39,20 +42,23 @@ class Result:
         self.cases = cases
         self.sample = sample
         self.fault = fault
+        self.lines = lines
 
     def __bool__(self) -> bool:
         return not self.wrong
 
     def __repr__(self) -> str:
         printed = [say("It printed last:"), *(f"  {line}" for line in self.prints)] if self.prints else []
-        return "\n".join((self._head(), *(f"  - {line}" for line in self.wrong), *printed))
+        lines = [repr(self.lines)] if self.lines else []
+        return "\n".join((self._head(), *(f"  - {line}" for line in self.wrong), *lines, *printed))
 
     def _repr_html_(self) -> str:
         # HTML, because a notebook wraps lines of plain text in the middle of words.
         lines = "".join(f"<li>{escape(line)}</li>" for line in self.wrong)
+        opened = self.lines._repr_html_() if self.lines else ""
         printed = "\n".join(map(escape, self.prints))
         printed = printed and f"<div>{escape(say('It printed last:'))}</div><pre>{printed}</pre>"
-        return f"<div>{escape(self._head())}</div><ul>{lines}</ul>{printed}"
+        return f"<div>{escape(self._head())}</div><ul>{lines}</ul>{opened}{printed}"
 
     def _head(self) -> str:
         if not self.wrong:

@@ -12,7 +12,6 @@ from ..behaviors.drive import Drive
 from ..behaviors.exchange import exchanged
 from ..behaviors.kept_steps import KeptStep
 from ..behaviors.lines.numbers import Changed, NotChangedError, numbers_in, with_number
-from ..behaviors.lines.rewriting import function_in
 from ..behaviors.machine import Machine
 from ..behaviors.program import RUNNING
 from ..behaviors.programs import Programs
@@ -20,6 +19,7 @@ from ..behaviors.trial import ComparedSteps, Tried, steps_to_try, tried, why_not
 from ..behaviors.trials import TrialJob, Trials
 from ..behaviors.version import Version
 from ..driving.press import Tokens
+from ..reasons.rewriting import function_in
 
 EFFECT_S = 10.0
 """Seconds of the past on which a number is tried."""

@@ -8,14 +8,13 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextvars import copy_context
-from functools import partial
 from typing import Any, NamedTuple
 
 from ..runtime.user_function import error_in
 from ..runtime.waiters import Waiters
 from ..samples.checks import not_negative
 from ..samples.ranges import NoSensorError
-from ..samples.verdict import UNKNOWN, Verdict, judged
+from ..samples.verdict import UNKNOWN, Verdict
 
 MOST_CHANGES = 1000
 """Changes that a watch keeps."""
@@ -54,6 +53,13 @@ class Watch:
         self.name = name
         self.sample_name = sample_name
         self.condition = condition
+        self._judge_sample: Callable[[Any], Verdict] | None = getattr(condition, "judge", None)
+        if self._judge_sample is None:
+            from ..reasons.look import Look  # the first widget of a page does without
+
+            look = Look(condition)
+            look.prepare()
+            self._judge_sample = look.judge
         self._why_none = why_none
         self._context = copy_context()
         """The context of the cell that watches, so that prints of the condition appear below that cell."""
@@ -217,12 +223,10 @@ class Watch:
         }
 
     def _judge(self, sample: Any) -> Verdict:
-        judge = getattr(self.condition, "judge", None) or partial(judged, self.condition)
         try:
-            verdict: Verdict = self._context.copy().run(judge, sample)
+            return self._context.copy().run(self._judge_sample, sample)  # type: ignore[arg-type]
         except NoSensorError as error:  # it may still come
             return Verdict(None, error.args[0])
-        return verdict
 
     def _sample_if(self, value: bool) -> Any:
         """Return the newest judged sample if its verdict is this one, else None. Called without the lock."""

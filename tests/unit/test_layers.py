@@ -17,7 +17,7 @@ JS = ROOT / "js"
 
 SHARED = (
     *("samples", "messages", "poses", "camera", "shapes", "repair", "files"),
-    *("runtime", "notebook", "widget", "kinds", "recordings", "tracks", "in_rerun"),
+    *("runtime", "reasons", "notebook", "widget", "kinds", "recordings", "tracks", "in_rerun"),
     *("behaviors", "driving", "simulator"),
 )
 """Values, the base of widgets, recordings, and what drives robots: they import no room."""

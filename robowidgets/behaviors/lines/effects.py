@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from ...reasons.rewriting import NotRewrittenError, definition_of, source_of, without_warnings
 from ...samples.ray import Ray
 from ...samples.scan import Scan
 from ...samples.sector import Sector
 from ..drive import Drive
-from .rewriting import NotRewrittenError, definition_of, source_of, without_warnings
 
 _PURE_MODULES = frozenset(
     ("math", "cmath", "numpy", "time", "collections", "itertools", "functools", "operator", "statistics", "enum")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from ...reasons.places import PASS, FunctionSource
+from ...reasons.rewriting import Notes
 from ...samples import Scan
-from .places import FunctionSource
-from .rewriting import Notes
 from .values import glimpse
 
 MOST_PASSES = 20
-"""The number of notes of a place in a loop that are kept of one call; later ones are counted, and the last is kept."""
+"""The number of passes of a loop whose notes are kept of one call; later ones are counted, and the last is kept."""
 
 
 class Noted(NamedTuple):
@@ -83,7 +83,7 @@ class Notebook:
         self._zeros = self._counts[:]
         self._last: dict[int, tuple[Any, ...]] = {}
         self._none: dict[int, tuple[Any, ...]] = {}
-        self.notes = (*_outside_of_loops(self._log), *_in_loops(self._log, self._counts, self._last))
+        self.notes = (*_outside_of_loops(self._log), *_in_loops(source, self._log, self._counts, self._last))
 
     def take(self) -> CallNotes:
         """Return the notes since the last time, and begin again."""
@@ -132,10 +132,14 @@ def _outside_of_loops(log: list[Any]) -> Notes:
     return note, note_1, note_2
 
 
-def _in_loops(log: list[Any], counts: list[int], last: dict[int, tuple[Any, ...]]) -> Notes:
+def _in_loops(source: FunctionSource, log: list[Any], counts: list[int], last: dict[int, tuple[Any, ...]]) -> Notes:
+    begins = {one.loop: number for number, one in enumerate(source.places) if one.kind == PASS}
+    pass_of = [begins.get(one.loop, number) for number, one in enumerate(source.places)]
+    """For each place the place at which a pass of its loop begins."""
+
     def put(place: int, value: Any, *more: Any) -> Any:
         count = counts[place] = counts[place] + 1
-        if count > MOST_PASSES:
+        if count > MOST_PASSES or counts[pass_of[place]] > MOST_PASSES:
             last[place] = _kept(value), *map(_kept, more)
         else:
             log.extend((place, _kept(value), *map(_kept, more)))

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from types import CodeType, FunctionType
 from typing import Any, NamedTuple
 
-from .rewriting import (
+from ...reasons.rewriting import (
     NotRewrittenError,
     codes_like,
     compiled,
@@ -122,7 +122,7 @@ def with_number(function: Callable[..., Any], line: int, column: int, text: str,
 def _changed(
     function: Callable[..., Any], code: CodeType, lines: list[str], place: tuple[int, int], text: str, file: str
 ) -> Changed:
-    tree, node, same, is_alone = definition_of(code, lines)
+    tree, node, same, number, is_alone = definition_of(code, lines)
     for found in _numbers(function, code, lines, node):
         if (found.number.line, found.number.column) == place:
             break
@@ -147,11 +147,12 @@ def _changed(
         raise NotChangedError(f"{text} cannot stand there")
     name = file or code.co_filename
     there = codes_like(code, compiled(after, code, name))
-    if same[0] >= len(there) or there[same[0]].co_freevars != code.co_freevars:
+    which = same[0] if number is None else number
+    if which >= len(there) or there[which].co_freevars != code.co_freevars:
         raise NotChangedError("several functions of its name are on its line")
     if file:
         _remember(file, made)
-    inner = like(function_in(function), there[same[0]])
+    inner = like(function_in(function), there[which])
     _set_default(inner, found.default, ast.literal_eval(text))
     return Changed(with_function(function, inner), "".join(made), "".join(lines))
 

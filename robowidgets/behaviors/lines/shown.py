@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...reasons.places import COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, TEST, NotedPlace, Operand
 from ...samples import Ray, Scan
 from ...samples.sector import ALL_ROUND
 from .noting import CallNotes, Noted
-from .places import COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, TEST, NotedPlace, Operand
 from .values import Glimpse, number_text, text_of
 from .watch import WatchedCall
 
@@ -142,12 +142,12 @@ def _details(notes: CallNotes, seen: list[Noted]) -> tuple[str, ...]:
     found = []
     for one in sorted(seen, key=lambda one: one.place):
         place = places[one.place]
-        if place.kind == OPERAND and one.place not in sides:
+        if place.kind == OPERAND and one.place not in sides and type(one.value) is not Scan:
             found.append(f"{', '.join(place.names) or place.text} is {text_of(one.value)}")
         elif place.relation in ("distance", "nearest", "at"):
             if place.kind == RAYS and one.place not in sides:
                 found.append(f"{_sector_text(place)} {_value(notes, one)}".strip())
-        elif place.relation:
+        elif len(place.chain) == 1:
             found.append(_comparison(notes, one))
     return tuple(dict.fromkeys(found))[:_MOST_DETAILS]
 

@@ -11,8 +11,9 @@ import enum
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from gc import get_referents
 from itertools import islice
-from types import BuiltinFunctionType, FunctionType, ModuleType
+from types import BuiltinFunctionType, FunctionType, MappingProxyType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -85,9 +86,6 @@ def glimpse(value: Any, depth: int = 0) -> Any:
 
 def _glimpse(value: Any, kind: type, depth: int) -> Any:
     name = _name_of_class(kind)
-    if issubclass(kind, Scan):
-        # One that notes what is read of it has the plain one.
-        return object.__getattribute__(value, "__dict__").get("_scan", Glimpse(name))
     if issubclass(kind, (float, int)) and not issubclass(kind, enum.Enum):
         return float.__float__(value) if issubclass(kind, float) else int.__int__(value)
     if kind is np.ndarray:
@@ -102,6 +100,8 @@ def _glimpse(value: Any, kind: type, depth: int) -> Any:
             items = islice(dict.items(value), MOST_PARTS)
             pairs = tuple((glimpse(key, depth + 1), glimpse(one, depth + 1)) for key, one in items)
             return Glimpse("" if kind is dict else name, pairs, dict.__len__(value), "::")
+    if kind is MappingProxyType and type(inner := get_referents(value)[0]) is dict:  # without a call of its methods
+        return glimpse(inner, depth)
     if issubclass(kind, enum.Enum):
         member = object.__getattribute__(value, "_name_")
         return Glimpse(f"{name}.{member[:LONGEST]}" if type(member) is str else name, brackets="word")

@@ -5,14 +5,16 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
 
+from ...reasons.look import LookHooks, Note, Reasons
+from ...reasons.looker import LineLooker
+from ...reasons.places import FunctionSource
+from ...reasons.rewriting import NoteCall, Notes, NotRewrittenError, Rewritten, function_in, rewritten
 from .noting import CallNotes, Notebook
-from .places import FunctionSource
-from .rewriting import NotRewrittenError, Rewritten, function_in, rewritten
 
 MOST_STEPS = 600
 """Steps that are kept for a view that has not taken them yet."""
@@ -83,10 +85,10 @@ class LineWatch:
         self.keep: KeepInputs | None = None
         """Keeps the inputs of each step, so that another version can be tried on them; None if no view asks for it."""
         self._views: list[deque[WatchedStep]] = []
-        self._known: dict[int, _Known] = {}
-        """The functions of the running version, by their id."""
+        self._known: dict[tuple[int, bool], _Known] = {}
+        """The functions of the running version, by their id, and True for events."""
         self._version: tuple[str, int] | None = None
-        self._prepared: tuple[tuple[str, int] | None, dict[int, _Known]] = None, {}
+        self._prepared: tuple[tuple[str, int] | None, dict[tuple[int, bool], _Known]] = None, {}
         """The next version, and its rewritten function."""
         self._calls: list[WatchedCall] = []
         """The calls of the running step, and its thread."""
@@ -114,7 +116,7 @@ class LineWatch:
             function: the function. The functions of a state machine are rewritten when it first calls them.
         """
         if not _calls_functions(function):
-            self._prepared = program, {id(function): _rewrite(function)}
+            self._prepared = program, {(id(function), False): _rewrite(function)}
 
     def step(
         self,
@@ -122,6 +124,7 @@ class LineWatch:
         made_at: tuple[int, float],
         function: Callable[..., Any],
         values: Mapping[str, Any],
+        *samples: Any,
     ) -> Any:
         """Make a step: call its function, or let a state machine call the functions of its active states.
 
@@ -130,6 +133,7 @@ class LineWatch:
             made_at: the number of the step, and the seconds of the program.
             function: the function, or the machine.
             values: the arguments by name.
+            samples: the arguments before them.
         """
         calls: list[WatchedCall] = []
         self._calls, self._thread = calls, threading.get_ident()
@@ -142,8 +146,8 @@ class LineWatch:
         try:
             if _calls_functions(function):
                 function.lines = self  # type: ignore[attr-defined]
-                return function(**values)
-            return self.call(function, values)
+                return function(*samples, **values)
+            return self.call(function, values, *samples)
         finally:
             given = [(name, value) for name, value in values.items() if type(value) in _SHOWN]
             number, seconds = made_at
@@ -162,33 +166,47 @@ class LineWatch:
         known = [*self._prepared[1].values(), *self._known.values()]
         return next((one.function for one in known if one.source.key == key and one.rewritten is not None), None)
 
-    def call(self, function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
+    def call(self, function: Callable[..., Any], values: Mapping[str, Any], *samples: Any) -> Any:
         """Call a function of the running step. Its exceptions pass through."""
+        return self._call(function, values, samples)[0]
+
+    def call_event(self, event: Callable[..., Any], values: Mapping[str, Any]) -> tuple[Any, Reasons]:
+        """Call an event of the running step, and return its result with its reasons. Its exceptions pass through."""
+        result, notes, why = self._call(event, values, (), is_event=True)
+        return result, Reasons(values.values(), notes, why)
+
+    def _call(
+        self, function: Callable[..., Any], values: Mapping[str, Any], samples: Sequence[Any], *, is_event: bool = False
+    ) -> tuple[Any, Sequence[Note], str]:
+        """Return the result of a function; of an event also its notes for `Reasons`, and the reason if it has none."""
         calls = self._calls
         if not self.is_on or self._thread != threading.get_ident():  # the step was abandoned, and another one runs
-            return function(**values)
-        known = self._known.get(id(function))
+            return function(*samples, **values), (), ""
+        known = self._known.get((id(function), is_event))
         if known is None or known.is_outdated():
             if len(self._known) >= _MOST_FUNCTIONS:
                 self._known = {}
-            known = self._known[id(function)] = _rewrite(function)
-        ready = None
-        if known.rewritten is not None:
-            ready = known.ready.pop() if known.ready else known.made()
-        try:
-            result = function(**values) if ready is None else ready[0](**values)
-        except BaseException as error:
-            notes = None if ready is None else ready[1].take()
-            _add(calls, WatchedCall(known.source, notes, known.why, *_error_in(known.source, error)))
-            if ready is not None:
-                known.ready.append(ready)
-            raise
-        if ready is None:
+            known = self._known[id(function), is_event] = _rewrite(function, is_event=is_event)
+        if known.rewritten is None:
+            try:
+                result = function(*samples, **values)
+            except BaseException as error:
+                _add(calls, WatchedCall(known.source, None, known.why, *_error_in(known.source, error)))
+                raise
             _add(calls, WatchedCall(known.source, None, known.why))
-        else:
-            _add(calls, WatchedCall(known.source, ready[1].take()))
+            return result, (), known.why
+        ready = known.ready.pop() if known.ready else known.made()
+        error_text_and_line: tuple[Any, ...] = ()
+        try:
+            result = ready.function(*samples, **values)
+        except BaseException as error:
+            error_text_and_line = _error_in(known.source, error)
+            raise
+        finally:
+            _add(calls, WatchedCall(known.source, ready.notebook.take(), "", *error_text_and_line))
+            notes, why = ready.take_looks()
             known.ready.append(ready)
-        return result
+        return result, notes, why
 
 
 def _calls_functions(function: Callable[..., Any]) -> bool:
@@ -196,10 +214,10 @@ def _calls_functions(function: Callable[..., Any]) -> bool:
     return getattr(type(function), "calls_functions", False) is True
 
 
-def _rewrite(function: Callable[..., Any]) -> _Known:
+def _rewrite(function: Callable[..., Any], *, is_event: bool = False) -> _Known:
     try:
-        found = rewritten(function)
-        return _Known(function, found, found.source)
+        found = rewritten(function, LineLooker) if is_event else rewritten(function)
+        return _Known(function, found, found.source, is_event=is_event)
     except NotRewrittenError as error:
         why = str(error)
     except Exception as error:  # the robot drives on: it is shown in the view
@@ -216,10 +234,17 @@ class _Known:
     """A function, kept so that no other function gets its id, and its idle rewritten forms."""
 
     def __init__(
-        self, function: Callable[..., Any], found: Rewritten | None, source: FunctionSource, why: str = ""
+        self,
+        function: Callable[..., Any],
+        found: Rewritten | None,
+        source: FunctionSource,
+        why: str = "",
+        *,
+        is_event: bool = False,
     ) -> None:
         self.function, self.rewritten, self.source, self.why = function, found, source, why
-        self.ready: list[tuple[Callable[..., Any], Notebook]] = []
+        self._is_event = is_event
+        self.ready: list[_Ready] = []
         inner = self._inner = function_in(function) if found is not None else None
         if inner is not None:
             self._code, self._defaults, self._keywords = inner.__code__, inner.__defaults__, inner.__kwdefaults__
@@ -233,11 +258,45 @@ class _Known:
             and inner.__kwdefaults__ is self._keywords
         )
 
-    def made(self) -> tuple[Callable[..., Any], Notebook]:
+    def made(self) -> _Ready:
         """Return another rewritten form. The notes of an abandoned call go to a form that nothing reads."""
         assert self.rewritten is not None
-        notebook = Notebook(self.source)
-        return self.rewritten.bind(notebook.notes), notebook
+        return _Ready(self.rewritten, LookHooks() if self._is_event else None)
+
+
+class _Ready:
+    """A rewritten form of a function, with its notes: for one call at a time.
+
+    Args:
+        found: the function.
+        hooks: of an event, take its notes for `Reasons`, too.
+    """
+
+    def __init__(self, found: Rewritten, hooks: LookHooks | None) -> None:
+        self.notebook, self._hooks = Notebook(found.source), hooks
+        self.function = found.bind(self.notebook.notes if hooks is None else _event_notes(self.notebook, hooks))
+
+    def take_looks(self) -> tuple[Sequence[Note], str]:
+        """Return the notes for `Reasons` since the last time, and the reason why some are missing, and begin again."""
+        if self._hooks is None:
+            return (), ""
+        looks = [*self._hooks.log]
+        self._hooks.log.clear()
+        return looks, self._hooks.why
+
+
+def _event_notes(notebook: Notebook, hooks: LookHooks) -> Notes:
+    """Return the functions that note the values of an event, for its lines and for its reasons."""
+    places, add = notebook.source.places, hooks.log.append
+
+    def both(note: NoteCall) -> NoteCall:
+        def noted(place: int, value: Any, *more: Any) -> Any:
+            add((places, place, value, *more))
+            return value if places[place].is_inner else note(place, value, *more)
+
+        return noted
+
+    return *map(both, notebook.notes), hooks.method, hooks.called
 
 
 def _source_without_lines(function: Callable[..., Any]) -> FunctionSource:

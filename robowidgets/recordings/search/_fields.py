@@ -15,8 +15,7 @@ from ...messages.fields import FieldOf, ShortArrayError
 from ...messages.units import unit_of
 from ...samples.checks import number
 from ...samples.staleness import is_steady
-from ...samples.traced_numbers import OPERATORS, fact
-from ...samples.verdict import Verdict
+from ...samples.verdict import OPERATORS, Verdict, fact
 from ..topics import UnknownTopicError
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, steps

@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 
 from ...kinds import KINDS, sample_names
 from ...messages.decoding import one_line
+from ...reasons.look import Look, Reasons
 from ...repair import RecordingError
 from ...samples import HasAge
 from ...samples.checks import number
-from ...samples.verdict import Trace, Verdict
+from ...samples.verdict import Verdict
 from ...widget.watch import Watch
 from ..topics import Topic, UnknownTopicError, UnnamedTopicError, check_known, shown
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, combined, inverted, spans, steps
-from .instant import TIME, Instant, NoSampleYetError, Now, OneSample, TracedMoment, samples_of, together
+from .instant import TIME, Instant, NoSampleYetError, Now, OneSample, samples_of, together
 from .seconds import Possible, SecondRows
 
 if TYPE_CHECKING:
@@ -193,14 +194,15 @@ class FunctionCondition(Condition):
     """
 
     def __init__(self, function: Callable[..., Any], names: Sequence[str] | None = None, text: str = "") -> None:
-        self._function = function
+        self._look = Look(function)
+        self._look.prepare()
         self._text = text or str(getattr(function, "__name__", type(function).__name__))
         self._names = names_of(function) if names is None else tuple(names)
 
     @property
     def function(self) -> Callable[..., Any]:
         """The function."""
-        return self._function
+        return self._look.function
 
     @property
     def reads(self) -> frozenset[str]:
@@ -209,22 +211,21 @@ class FunctionCondition(Condition):
 
     def judge(self, moment: Any) -> Verdict:
         """See `Condition`."""
-        trace = Trace()
         try:
-            result = self._result(OneSample(moment) if isinstance(moment, HasAge) else moment, trace)
+            result, reasons = self._result(OneSample(moment) if isinstance(moment, HasAge) else moment)
         except NoSampleYetError:
             return Verdict(None)
-        return trace.verdict(result)
+        return reasons.verdict(result)
 
-    def _result(self, moment: Any, trace: Trace) -> Any:
-        """Return the result of the function; raise NoSampleYetError if a sample has not come yet."""
+    def _result(self, moment: Any) -> tuple[Any, Reasons]:
+        """Return the result of the function with its reasons; raise NoSampleYetError if a sample has not come yet."""
         if not self._names:
-            return self._function(TracedMoment(moment, trace))
+            return self._look(moment)
         samples = [getattr(moment, name) for name in self._names]
         for name, sample in zip(self._names, samples, strict=True):
             if sample is None:
                 raise NoSampleYetError(name)
-        return self._function(*map(trace.of, samples))
+        return self._look(*samples)
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:
         """See `Condition`."""
@@ -277,10 +278,10 @@ class FunctionCondition(Condition):
 
     def _call(self, instant: Instant, now: Now, search: Search) -> int:
         now.read.clear()
-        trace = Trace()
         try:
-            value = trace.value(self._result(instant, trace))
-            if value and (met := trace.met()):
+            result, reasons = self._result(instant)
+            value = reasons.value(result)
+            if value and (met := reasons.met()):
                 away, ray = met
                 search.met(np.array([now.time_ns]), np.array([away]), np.array([ray.index]), np.array([ray.angle]))
             return _code(value)

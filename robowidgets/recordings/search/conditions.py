@@ -25,8 +25,7 @@ from ...samples import AXES, HasAge, Scan, Speed, Touch, TouchMode, TouchState
 from ...samples.checks import number
 from ...samples.distances import distances, inside, ray_distances
 from ...samples.sector import ALL_ROUND, SectorLike, to_sector
-from ...samples.traced_numbers import fact
-from ...samples.verdict import Verdict
+from ...samples.verdict import Verdict, fact
 from ..columns.chunks import ScanChunk, SpeedChunk, single_scan, single_speed
 from ..topics import UnknownTopicError, UnnamedTopicError
 from ._events import EventCondition

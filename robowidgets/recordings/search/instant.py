@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from ...kinds import KINDS, Kind, by_namespace, kind_of_parameter, kind_of_sample, sample_names, sensor_of
 from ...samples import Ranges, Scan, Speed, Touch
-from ...samples.verdict import Trace
 from ..topics import Topic, UnknownTopicError, UnnamedTopicError, only
 
 if TYPE_CHECKING:
@@ -168,22 +167,6 @@ class OneSample:
 
     def __getitem__(self, topic: str) -> Any:
         return self._sample
-
-
-class TracedMoment:
-    """A moment whose scans note what a function reads in them."""
-
-    def __init__(self, moment: Any, trace: Trace) -> None:
-        self._moment, self._trace = moment, trace
-
-    def __getattr__(self, name: str) -> Any:
-        return self._trace.of(getattr(self._moment, name))
-
-    def __getitem__(self, topic: str) -> Any:
-        return self._trace.of(self._moment[topic])
-
-    def __dir__(self) -> list[str]:
-        return dir(self._moment)
 
 
 def together(topics: dict[str, Iterator[tuple[int, Make]]]) -> Iterator[tuple[int, dict[str, Make]]]:

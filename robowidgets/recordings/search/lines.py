@@ -14,8 +14,8 @@ import numpy as np
 
 from ...behaviors.drive import Drive
 from ...behaviors.lines.differences import first_difference
-from ...behaviors.lines.places import FunctionSource
-from ...behaviors.lines.shown import FLAG, levels_of, lines_of, passes_of
+from ...behaviors.lines.shown import FLAG, levels_of, lines_of
+from ...behaviors.lines.texts import line_texts
 from ...behaviors.lines.values import glimpse, text_of
 from ...behaviors.lines.watch import LineWatch, WatchedCall, WatchedStep, error_text
 from ...behaviors.program import Program
@@ -24,6 +24,7 @@ from ...behaviors.simulation import ProgramRun
 from ...behaviors.version import RATE
 from ...kinds import KINDS, sample_names
 from ...notebook.progress import Progress, without_bars
+from ...reasons.places import FunctionSource
 from ...runtime.tables import Table
 from ...samples.checks import finite
 from ..span import Span
@@ -577,22 +578,10 @@ def _is_program(function: Any) -> bool:
 def _texts(call: WatchedCall) -> Iterator[str]:
     """Yield each line of a call with its values, and the passes of its loops."""
     source = call.source
-    values = {line.number: line for line in lines_of(call)}
-    passes = {one.number: one for one in passes_of(call)}
     width = min(_WIDEST, max((len(text) for text in source.texts), default=0))
     if call.why:
         yield f"  {source.name} runs as it is, and shows no values: {call.why}"
-    for number, text in enumerate(source.texts):
-        line = values.get(number)
-        said = ""
-        if call.error_line == number + source.first:
-            said = f"! {call.error}"
-        elif line is not None:
-            indices = " ".join(f"[{rays.nearest}]" for rays in line.rays if rays.nearest >= 0)
-            times = f"×{line.times}" if line.times > 1 else ""
-            said = "  ".join(filter(None, (line.value, indices, " \N{MIDDLE DOT} ".join(line.details), times)))
-        elif number + source.first in source.reach:
-            said = "not reached"
-        yield f"{number + source.first:4}  {text.ljust(width)}  {said}".rstrip()
-        if number in passes:
-            yield from (f"{'':{width + 6}}  {row}" for row in passes[number].rows)
+    for line in line_texts(call):
+        said = f"! {line.error}" if line.error else "not reached" if line.is_reached is False else line.value
+        yield f"{line.number:4}  {line.code.ljust(width)}  {said}".rstrip()
+        yield from (f"{'':{width + 6}}  {row}" for row in line.passes)

@@ -15,10 +15,10 @@ import pytest
 
 from robowidgets import LaserWidget, Scan, Sector, conditions
 from robowidgets.laser.sectors import _plain
+from robowidgets.reasons.look import Look
 from robowidgets.samples.sector import ALL_ROUND
 from robowidgets.samples.sector_code import for_scan
 from robowidgets.samples.stretches import parse, sector_of, stretches
-from robowidgets.samples.verdict import judged
 
 from ...vectors import SECTORS, read, to_scan
 
@@ -103,7 +103,7 @@ class TestRays:
         assert scan.nearest(picked).index == 20  # type: ignore[union-attr]
         assert conditions.nearest_below(1.21, picked).judge(scan).value
         assert not conditions.nearest_below(1.19, picked).judge(scan).value
-        assert judged(lambda scan: scan.distance(picked) < 1.21, scan).rays.tolist() == [20]
+        assert Look(lambda scan: scan.distance(picked) < 1.21).judge(scan).rays.tolist() == [20]
         assert laser.distance(picked) == scan.distance(picked)
         assert laser.code(picked) == 'scan.distance(("20deg", "30deg"))'
         laser.sectors["kept"] = picked
@@ -123,7 +123,7 @@ class TestRays:
         calls: list[Callable[[Any], Any]] = [
             *(scan.distance, scan.nearest, scan.indices, laser.distance),
             *(lambda one: conditions.nearest_below(1, one), lambda one: laser.sectors.update(kept=one)),
-            lambda one: judged(lambda scan: scan.distance(one) < 1, scan),
+            lambda one: Look(lambda scan: scan.distance(one) < 1).judge(scan),
         ]
         for call in calls:
             with pytest.raises(TypeError, match=r"^sector: expected two angles, .*, got None: is nothing selected\? "):

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import pickle
+import sys
+import weakref
 from copy import copy, deepcopy
 from dataclasses import replace
+from functools import partial, wraps
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,9 +18,10 @@ import pytest
 import robowidgets
 from robowidgets import Scan, Speed, Touch, TouchMode, conditions
 from robowidgets.kinds import sample_names
+from robowidgets.reasons.look import Look
 from robowidgets.recordings.search.base import condition
 from robowidgets.recordings.search.instant import NoSampleYetError
-from robowidgets.samples.verdict import Verdict, fact, judged
+from robowidgets.samples.verdict import Verdict, fact
 
 NAN, INF = float("nan"), float("inf")
 
@@ -28,6 +33,10 @@ def scan(*ranges: float) -> Scan:
 
 SEEN = scan(0.3, 1.0, 0.4, 0.45, INF)
 RIGHT, AHEAD, LEFT = (-0.4, -0.2), (0.0, 0.0), (0.2, 0.4)
+
+
+def judged(function: Any, *samples: Any) -> Verdict:
+    return Look(function).judge(*samples)
 
 
 class TestFunction:
@@ -197,6 +206,97 @@ class TestFunction:
     def test_raises_what_the_function_raises(self) -> None:
         with pytest.raises(ZeroDivisionError):
             judged(lambda _: 1 / 0, SEEN)
+
+
+def near(scan: Any) -> Any:
+    """A function that others call."""
+    return scan.distance() < 0.5
+
+
+class Limits:
+    """An object of the user's, with the limit of a condition."""
+
+    limit = 0.5
+
+    def near(self, scan: Scan) -> bool:
+        return scan.distance() < self.limit
+
+    def __call__(self, scan: Scan) -> bool:
+        return self.near(scan)
+
+    @staticmethod
+    def is_near(scan: Scan) -> bool:
+        return near(scan)  # type: ignore[no-any-return]
+
+
+def timed(function: Any) -> Any:
+    @wraps(function)
+    def wrapper(*samples: Any) -> Any:
+        return function(*samples)
+
+    return wrapper
+
+
+LIMITS, RULES, HERE = Limits(), (lambda scan: scan.distance(LEFT) < 0.1, near), sys.modules[__name__]
+
+
+def any_rule(scan: Scan) -> bool:
+    holds = False
+    for rule in RULES:
+        holds = holds or rule(scan)
+    return holds
+
+
+def with_a_function_in_it(scan: Scan) -> bool:
+    def check(scan: Scan) -> bool:
+        return scan.distance() < 0.5
+
+    return check(scan)
+
+
+def of_limit(limit: float) -> Any:
+    return lambda scan: scan.distance() < limit
+
+
+def with_a_function_that_is_made(scan: Scan) -> bool:
+    check = of_limit(0.5)
+    return bool(check(scan))
+
+
+class TestCalled:
+    @pytest.mark.parametrize(
+        "function",
+        [
+            LIMITS.near, LIMITS, timed(near), partial(lambda limit, scan: scan.distance() < limit, 0.5),
+            lambda scan: near(scan), lambda scan: LIMITS.near(scan), lambda scan: Limits.is_near(scan),
+            lambda scan: HERE.near(scan), lambda scan: any(rule(scan) for rule in RULES), any_rule,
+            with_a_function_in_it, with_a_function_that_is_made,
+        ],
+    )  # fmt: skip
+    def test_a_function_names_the_rays_that_functions_read_that_it_calls(self, function: Any) -> None:
+        look = Look(function)
+        for _ in range(2):
+            verdict = look.judge(SEEN)
+            assert (verdict.value, verdict.rays.tolist(), verdict.nearest) == (True, [0, 2, 3], SEEN[0])
+            assert "0.30 < 0.50 m" in verdict.text
+
+    def test_functions_that_each_call_makes_are_not_kept_for_ever(self) -> None:
+        made = list[Any]()
+
+        def condition(scan: Scan) -> bool:
+            made.append(weakref.ref(check := of_limit(0.5)))
+            return bool(check(scan))
+
+        look = Look(condition)
+        for _ in range(1000):
+            look(SEEN)
+        gc.collect()
+        assert sum(one() is not None for one in made) < 500
+
+    def test_a_function_without_a_source_says_so_and_is_called_as_it_is(self) -> None:
+        verdict = judged(eval("lambda scan: scan.distance() < 0.5"), SEEN)
+        assert verdict == Verdict(True, "shows no reasons: its source is not known", verdict.rays)
+        assert not verdict.rays.size
 
 
 def test_a_fact_has_enough_decimals_to_be_one() -> None:

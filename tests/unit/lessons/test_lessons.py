@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import getpass
+import inspect
 import itertools
 import math
 import re
@@ -499,7 +500,7 @@ class TestResult:
         result = check("fits_through", lambda _scan: True)
         head, *lines = repr(result).splitlines()
         assert head == "fits_through: right in 4 of 9 cases. Still wrong:"
-        assert [line[:4] for line in lines] == ["  - "] * 5
+        assert [line[:4] for line in lines[:6]] == [*["  - "] * 5, "a ga"]
         assert isinstance(result.sample, Scan)
 
     def test_a_task_is_found_by_the_name_of_the_function(self) -> None:
@@ -540,3 +541,109 @@ class TestResult:
             return 0.0, 0.0
 
         assert check("bumper_reflex", answer).prints == ("left center right ",) * 3
+
+
+def blind_drive(scan: Scan) -> Drive:
+    front = scan.distance("front")
+    if front < 0.1:
+        return Drive()
+    return Drive(0.2)
+
+
+class Walker:
+    near = lambda scan: scan.distance("front") < 0.1  # noqa: E731
+
+    def forward() -> Drive:  # type: ignore[misc]
+        return Drive(0.2)
+
+    def at_wall() -> Drive:  # type: ignore[misc]
+        return Drive()
+
+    moves = "forward -> at_wall on near"
+
+
+def line_in(function: Callable[..., Any], text: str) -> int:
+    """The number of the line in this file with a text, in a function."""
+    lines, first = inspect.getsourcelines(function)
+    return next(first + i for i, line in enumerate(lines) if text in line)
+
+
+class TestLines:
+    def test_the_first_wrong_case_is_shown_on_the_lines_of_the_answer(self) -> None:
+        def fits_through(scan: Scan) -> bool:
+            front = scan.distance(("-1deg", "1deg"))
+            if front > 5.0:
+                return False
+            return front > 1.5
+
+        result = lessons.check(fits_through)
+        heading, *lines = str(result.lines).splitlines()
+        missed = f"line {line_in(fits_through, 'return False')} was not reached"
+        assert heading == f"a gap of 0.4 m, line by line: in this scan `front` was 2.99 m, {missed}"
+        assert re.fullmatch(r" *\d+ +front = scan\.distance\(.* 2\.99 m  \[271\]", lines[1])
+        assert re.fullmatch(r" *\d+ +if front > 5\.0: +False  2\.99 > 5\.00", lines[2])
+        assert lines[3].endswith("not reached")
+        assert lines[4].endswith("True  2.99 > 1.50")
+        assert repr(result).endswith(f"\n{result.lines}")
+        shown = result._repr_html_()
+        assert "<code>front</code> was 2.99 m" in shown
+        assert "front &gt; 5.0" in shown
+
+    def test_of_a_drive_the_last_step_is_shown_with_its_time(self) -> None:
+        result = lessons.check(blind_drive, "stop_before_wall")
+        found = re.match(r"a wall ahead: it hit what is ahead at ([\d.]+) s", result.wrong[0])
+        assert found
+        assert result.lines
+        assert f"at {float(found[1]) - 0.1:.1f} s `front` was 0.1" in result.lines.summary
+        assert result.lines.summary.endswith(f"line {line_in(blind_drive, 'return Drive()')} was not reached")
+
+    def test_of_a_drive_the_step_with_the_fault_is_shown_and_not_the_last(self) -> None:
+        result = check("slow_in_doorway", lambda scan: 0.2 if scan.distance("front") < 0.01 else 0.5)
+        assert result.lines
+        assert re.match(r"at [56]\.\d s ", result.lines.summary)  # in the door, 3 m away
+
+    def test_of_a_machine_the_events_and_the_active_state_are_shown(self) -> None:
+        lines = str(lessons.check(Walker, "stop_before_wall").lines).splitlines()
+        near, state = (next(line for line in lines if text in line) for text in ("near = lambda", "return Drive(0.2)"))
+        assert re.search(r"False  \[\d+\]  0\.1\d < 0\.10$", near)
+        assert state.endswith("  Drive(0.2)")
+        assert not any("at_wall()" in line for line in lines)
+
+    def test_an_error_and_a_call_that_does_not_return_are_shown_on_their_lines(self) -> None:
+        def raises(scan: Scan) -> float:
+            number = len(scan) - 541
+            return 1 / number
+
+        def forever(scan: Scan) -> float:
+            number = len(scan)
+            while True:
+                number += 1
+
+        lines = str(check_named(raises).lines)
+        assert "`number` was 0" in lines
+        assert lines.endswith("! ZeroDivisionError: division by zero")
+        lines = str(check_named(forever).lines)
+        assert re.search(r"\.\.\. and \d+ more passes", lines)
+        assert "it was still here" in lines
+        assert "SystemExit" not in lines
+
+    def test_texts_are_not_markup(self) -> None:
+        def answer(_scan: Scan) -> Any:
+            text = "<b>2</b>"
+            return [text]
+
+        shown = check_named(answer)._repr_html_()
+        assert "<b>" not in shown
+        assert "<code>text</code> was &#x27;&lt;b&gt;2&lt;/b&gt;&#x27;" in shown
+
+    def test_an_answer_without_a_source_says_why_it_has_no_lines(self) -> None:
+        lines = lessons.check(eval("lambda scan: 2"), "wall_ahead").lines
+        assert str(lines) == "a wall ahead, line by line\n  <lambda> shows no values: its source is not known"
+
+    def test_a_right_answer_has_no_lines_nor_has_one_that_was_never_called(self) -> None:
+        assert check("nearest_on_the_left", lambda scan: scan.distance("left")).lines is None
+        assert lessons.check(lambda scam: scam, "stop_before_wall").lines is None
+
+
+def check_named(answer: Callable[..., Any]) -> lessons.Result:
+    return lessons.check(answer, "nearest_on_the_left")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from robowidgets.behaviors.lines.numbers import NotChangedError, numbers_in, with_number
-from robowidgets.behaviors.lines.rewriting import rewritten
+from robowidgets.reasons.rewriting import rewritten
 
 from .test_rewriting import made
 

@@ -6,6 +6,7 @@ import ast
 import gc
 import itertools
 import linecache
+import sys
 import traceback
 import warnings
 from collections.abc import Callable
@@ -14,8 +15,8 @@ from typing import Any
 import pytest
 
 from robowidgets.behaviors.lines.noting import MOST_PASSES, CallNotes, Notebook
-from robowidgets.behaviors.lines.places import COMPARE, PASS, RAYS, VALUE
-from robowidgets.behaviors.lines.rewriting import NotRewrittenError, rewritten, without_warnings
+from robowidgets.reasons.places import COMPARE, PASS, RAYS, VALUE
+from robowidgets.reasons.rewriting import NotRewrittenError, rewritten, without_warnings
 
 from .snippets import IN_PLACES, SOURCES
 
@@ -125,8 +126,11 @@ def test_the_function_itself_is_left_as_it_is() -> None:
         ("step = print\n", "it is not written in Python"),
         ("step = type('Odd', (), {})()\n", "it is not written in Python"),
         ("a, step = lambda do: 1, lambda do: 2\n", ""),
-        # Python compiles the lambda in the defaults first.
-        ("step = lambda do, g=(lambda do, g=0: 7): g(do) + 1\n", "several functions of its name are on its line"),
+        # Python compiles the lambda in the defaults first, and Python 3.10 does not know its columns.
+        (
+            "step = lambda do, g=(lambda do, g=0: 7): g(do) + 1\n",
+            "several functions of its name are on its line" if sys.version_info < (3, 11) else "",
+        ),
     ],
 )
 def test_a_function_that_cannot_be_rewritten_gives_its_reason(source: str, why: str) -> None:

@@ -163,3 +163,10 @@ def test_totals_count_steps_and_some_are_sent() -> None:
     assert (totals.steps, rows) == (3, [[1, 3, 2], [2, 2, 0], [3, 1, 0]])
     assert spread(steps, 2) == [steps[0], steps[2]]
     assert spread(steps, 5) == steps
+
+
+def test_what_is_computed_in_later_passes_is_not_in_the_row_of_an_earlier_one() -> None:
+    (call,) = step_of("for i in range(100):\n    if i % 10 == 5:\n        x = i", given=0).calls
+    (passes,) = passes_of(call)
+    assert [row for row in passes.rows if "x" in row] == ["6: i 5 · line 3 True · x 5", "16: i 15 · line 3 True · x 15"]
+    assert lines_of(call)[-1].times == 10

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 import math
 from collections import OrderedDict, defaultdict, deque, namedtuple
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,8 @@ class HostileDict(dict):  # type: ignore[type-arg]
 @pytest.mark.parametrize(
     ("value", "text"),
     [
+        (MappingProxyType({"left": True}), "{'left': True}"),
+        (MappingProxyType(HostileDict(left=True)), "<mappingproxy>"),
         (0.6, "0.6"),
         (-0.8, "−0.8"),
         (1 / 3, "0.3333"),

@@ -9,13 +9,19 @@ import weakref
 from threading import current_thread
 from typing import Any
 
+import numpy as np
 import pytest
 
+from robowidgets import Scan
+from robowidgets.behaviors import Drive
 from robowidgets.behaviors.lines import watch
 from robowidgets.behaviors.lines.packed import calls_by_function
-from robowidgets.behaviors.lines.rewriting import rewritten
+from robowidgets.behaviors.lines.texts import line_texts
 from robowidgets.behaviors.lines.watch import LineWatch
+from robowidgets.behaviors.machine import Machine
+from robowidgets.behaviors.variables import Variables
 from robowidgets.feeds import Feed
+from robowidgets.reasons.rewriting import rewritten
 
 from ..waiting import wait_for
 from .test_rewriting import made
@@ -148,3 +154,80 @@ def test_an_object_that_has_every_attribute_is_only_called() -> None:
     function = Odd()
     assert watch_step(LineWatch(), function) == 3
     assert vars(function) == {}
+
+
+NAN, INF = float("nan"), float("inf")
+RANGES = Scan([0.3, 1.0, 0.4, 0.45, INF], angle_min=-0.4, angle_increment=0.2, range_min=0.1, range_max=4.0)
+UNKNOWN = RANGES.again(np.full(5, NAN), None, None)
+
+
+def wall_ahead(scan: Scan) -> float:
+    return scan.distance(("-20deg", "20deg"))
+
+
+def is_wall(scan: Scan) -> bool:
+    return wall_ahead(scan) < 0.2
+
+
+class Walker:
+    direct = lambda scan: scan.distance() < 0.2  # noqa: E731
+    called = lambda scan: wall_ahead(scan) < 0.2  # noqa: E731
+    called_twice = lambda scan: is_wall(scan)  # noqa: E731
+    passed_on = lambda scan: min(map(scan.distance, (("-25deg", "0deg"), ("0deg", "10deg")))) < 0.2  # noqa: E731
+    each = lambda scan: any(scan.ranges[i] < 0.2 for i in range(5))  # noqa: E731
+    part = lambda scan: min(scan.ranges[2:]) < 0.2  # noqa: E731
+
+    def with_lines(scan: Scan) -> bool:  # type: ignore[misc]  # noqa: N805
+        def near(angle: float) -> bool:
+            ray = scan.at(angle)
+            return ray is not None and ray.range < 0.2
+
+        ranges = scan.ranges
+        least = ranges.min()
+        if least < 0.2:
+            return True
+        return near(0.0)
+
+    def forward() -> Drive:  # type: ignore[misc]
+        return Drive(0.2)
+
+    def at_wall() -> Drive:  # type: ignore[misc]
+        return Drive()
+
+    moves = "\n".join(
+        f"forward -> at_wall on {name}"
+        for name in ("direct", "called", "called_twice", "passed_on", "each", "part", "with_lines")
+    )
+
+
+@pytest.mark.parametrize("scan", [RANGES, UNKNOWN])
+def test_events_have_the_same_reasons_while_their_lines_are_watched(scan: Scan) -> None:
+    judged = []
+    for watched in (False, True):
+        machine, line_watch = Machine(Walker), LineWatch()
+        given = {"time": 0.0, "variables": Variables(), "scan": scan}
+        for _ in range(2):
+            if watched:
+                line_watch.step(("Walker", 0), (1, 0.0), machine, given)
+            else:
+                machine(**given)
+        judged.append({name: (one.value, one.text, one.nearest) for name, one in machine.last_step.judged.items()})
+    assert judged[0] == judged[1]
+    assert len(judged[0]) == 7
+    if scan is RANGES:
+        assert all(value is False and text and nearest for value, text, nearest in judged[0].values())
+    else:
+        assert {value for value, _, _ in judged[0].values()} == {None}
+
+
+def test_the_lines_of_an_event_are_those_of_any_function() -> None:
+    machine, line_watch = Machine(Walker), LineWatch()
+    line_watch.step(("Walker", 0), (1, 0.0), machine, {"time": 0.0, "variables": Variables(), "scan": RANGES})
+    assert line_watch.newest
+    call = next(one for one in line_watch.newest.calls if one.source.name == "with_lines")
+    lines = {line.code.strip(): line for line in line_texts(call)}
+    assert lines["least = ranges.min()"].value == "0.3"
+    assert lines["if least < 0.2:"].value == "False  0.30 < 0.20"
+    assert lines["return True"].is_reached is False
+    assert lines["return near(0.0)"].is_reached
+    assert lines["ray = scan.at(angle)"].is_reached  # as all lines of its definition

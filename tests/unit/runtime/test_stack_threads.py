@@ -47,8 +47,9 @@ CAME = {
     "gave way": "True",
     "error": f"line {LOOPS[0]}: {NO_RETURN}",
     "lamp": "True",
-    "check": f"- a hall: line {LOOPS[1]}: {NO_RETURN}. A step returns at once: it does not sleep or wait, "
+    "check": f"a hall: line {LOOPS[1]}: {NO_RETURN}. A step returns at once: it does not sleep or wait, "
     "and its loops end",
+    "lines": "1.51 m [1]",
     "right": "True",
     "closed": "True",
     "a loop in the study": "True",

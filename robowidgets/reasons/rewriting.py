@@ -19,7 +19,7 @@ import linecache
 import re
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import CodeType, FunctionType, MethodType
@@ -34,6 +34,9 @@ MOST_EXTRAS = 2
 _NOTES = tuple(f"\0robowidgets note {number}\0" for number in range(2 * (MOST_EXTRAS + 1)))
 """Constants that stand for the functions that note, in the order of `Notes`, until the code is bound to them."""
 _MOST_PARSES = 5
+_SEVERAL = "several functions of its name are on its line"
+HOOKS = "\0robowidgets method\0", "\0robowidgets function\0"
+"""Constants that stand for two more functions of `Notes`."""
 _FUTURES = sum({getattr(__future__, name).compiler_flag for name in __future__.all_feature_names} - {0x10, 0})
 """The flags of code that say which ``from __future__`` imports are in force."""
 _GENERATOR, _COROUTINE, _ASYNC_GENERATOR = 0x20, 0x80, 0x200
@@ -54,7 +57,7 @@ _LEFT_ALONE = (
 NoteCall = Callable[..., Any]
 Notes = Sequence[NoteCall]
 """The functions that take a place and a value, and 0, 1 or 2 more values, and return the value; then those for places
-in a loop."""
+in a loop. A `Rewriter` that uses `HOOKS` needs two more, which take the place and a method, and a function to call."""
 
 
 class NotRewrittenError(Exception):
@@ -78,24 +81,44 @@ class Rewritten:
     def bind(self, notes: Notes) -> Callable[..., Any]:
         """Return the rewritten function, whose values go to these functions."""
         inner = function_in(self.function)
-        by_name: dict[str, Any] = dict(zip(_NOTES, notes, strict=True))
-        constants = tuple(by_name.get(one, one) if type(one) is str else one for one in self.code.co_consts)
-        return with_function(self.function, like(inner, self.code.replace(co_consts=constants)))
+        code = _bound(self.code, dict(zip((*_NOTES, *HOOKS), notes, strict=False)))
+        return with_function(self.function, like(inner, code))
 
 
-def rewritten(function: Callable[..., Any]) -> Rewritten:
+def _bound(code: CodeType, by_name: Mapping[str, Any]) -> CodeType:
+    """Return code that calls the functions that note, as do the functions in it."""
+
+    def constant(one: Any) -> Any:
+        if type(one) is str:
+            return by_name.get(one, one)
+        return _bound(one, by_name) if isinstance(one, CodeType) and _is_noting(one) else one
+
+    return code.replace(co_consts=tuple(map(constant, code.co_consts)))
+
+
+def rewritten(
+    function: Callable[..., Any], rewriter: Callable[[CodeType, Sequence[str]], Rewriter] | None = None
+) -> Rewritten:
     """Rewrite a function, a method, or a `functools.partial` of one.
+
+    Args:
+        function: the function.
+        rewriter: makes the rewriter for its code and the lines of its file, or None for `Rewriter`.
 
     Raises:
         NotRewrittenError: it cannot be rewritten; the text says why.
     """
-    code, lines = source_of(function)
+    code, lines = source_of(function, may_be_wrapped=rewriter is not None)
     with without_warnings(code.co_filename):
-        return _rewritten(function, code, lines)
+        return _rewritten(function, code, lines, (rewriter or Rewriter)(code, lines))
 
 
-def source_of(function: Callable[..., Any]) -> tuple[CodeType, list[str]]:
+def source_of(function: Callable[..., Any], *, may_be_wrapped: bool = False) -> tuple[CodeType, list[str]]:
     """Return the code of a function, and the lines of its cell or file.
+
+    Args:
+        function: the function.
+        may_be_wrapped: True to accept the function that a decorator made, whose own lines say nothing.
 
     Raises:
         NotRewrittenError: the source does not belong to the function; the text says why.
@@ -105,7 +128,7 @@ def source_of(function: Callable[..., Any]) -> tuple[CodeType, list[str]]:
     if code.co_flags & (_GENERATOR | _COROUTINE | _ASYNC_GENERATOR):
         what = "async" if code.co_flags & (_COROUTINE | _ASYNC_GENERATOR) else "a generator"
         raise NotRewrittenError(f"it is {what}")
-    if hasattr(inner, "__wrapped__"):
+    if not may_be_wrapped and hasattr(inner, "__wrapped__"):
         raise NotRewrittenError("a decorator wraps it in another function")
     linecache.checkcache(code.co_filename)
     lines = linecache.getlines(code.co_filename, inner.__globals__)
@@ -146,13 +169,15 @@ class Definition(NamedTuple):
         tree: the parsed source.
         node: the definition, or a lambda.
         same: among the codes of its name on its line, the positions of the codes that do the same.
+        number: the position of its own code, known by its columns, or None.
         is_alone: True if the tree has only its statement.
     """
 
     tree: ast.Module
     node: Any
     same: list[int]
-    is_alone: bool = False
+    number: int | None
+    is_alone: bool
 
 
 def parsed(lines: Sequence[str], file: str) -> ast.Module:
@@ -173,7 +198,7 @@ def definition_of(code: CodeType, lines: Sequence[str]) -> Definition:
     except (SyntaxError, ValueError, RecursionError):
         raise changed from None
     # A notebook compiles each statement of a cell by itself, and what Python makes of a call depends on imports.
-    for tree in (whole, statement_at(whole, code.co_firstlineno)):
+    for tree in (statement_at(whole, code.co_firstlineno), whole):
         there = codes_like(code, compiled(tree, code, code.co_filename))
         if same := [i for i, one in enumerate(there) if _is_same(one, code)]:
             break
@@ -181,23 +206,29 @@ def definition_of(code: CodeType, lines: Sequence[str]) -> Definition:
         raise changed
     nodes: list[Any] = [node for node in ast.walk(tree) if _is_at(node, code)]
     nodes.sort(key=lambda node: (node.lineno, node.col_offset))
+    exact = [i for i in same if (columns := _columns(code)) and columns == _columns(there[i])]
+    number = exact[0] if len(exact) == 1 else None
+    if len(nodes) > 1 and number is not None:
+        nodes = _innermost(nodes, code)
     if len(nodes) > 1 and len(nodes) != len(there):
-        raise NotRewrittenError("several functions of its name are on its line")
-    return Definition(tree, nodes[0] if len(nodes) == 1 else nodes[same[0]], same, tree is not whole)
+        raise NotRewrittenError(_SEVERAL)
+    return Definition(tree, nodes[0] if len(nodes) == 1 else nodes[same[0]], same, number, tree is not whole)
 
 
-def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str]) -> Rewritten:
-    tree, node, same, _ = definition_of(code, lines)
-    rewriter = _Rewriter(code, lines)
+def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str], rewriter: Rewriter) -> Rewritten:
+    tree, node, same, number, _ = definition_of(code, lines)
     rewriter.rewrite(node)
     ast.fix_missing_locations(tree)
-    noting = [
-        (i, one) for i, one in enumerate(codes_like(code, compiled(tree, code, code.co_filename))) if _is_noting(one)
-    ]
-    # A function without any place, such as one that only has a docstring, is as it was.
-    number, made = noting[0] if noting else (same[0], code)
-    if number not in same:  # a lambda in the defaults of another one is compiled first, and stands after its beginning
-        raise NotRewrittenError("several functions of its name are on its line")
+    again = codes_like(code, compiled(tree, code, code.co_filename))
+    if number is None:
+        # A function without any place, such as one that only has a docstring, is as it was.
+        number = next((i for i, one in enumerate(again) if _is_noting(one)), same[0])
+        # A lambda in the defaults of another one is compiled first, and stands after its beginning.
+        if number not in same:
+            raise NotRewrittenError(_SEVERAL)
+    made = again[number]
+    if rewriter.places and not _is_noting(made):
+        raise NotRewrittenError(_SEVERAL)
     if made.co_freevars != code.co_freevars or made.co_varnames != code.co_varnames:
         raise NotRewrittenError("its variables would change")
     first, end = code.co_firstlineno, node.end_lineno or code.co_firstlineno
@@ -275,6 +306,26 @@ def _is_at(node: ast.AST, code: CodeType) -> bool:
     return isinstance(node, ast.Lambda) and code.co_name == "<lambda>" and node.lineno == code.co_firstlineno
 
 
+def _columns(code: CodeType) -> list[tuple[int, int, int, int]]:
+    """Return first line, column, last line and column of the parts of a code, or none in Python 3.10."""
+    positions = code.co_positions() if hasattr(code, "co_positions") else ()
+    found: Any = ((line, start, last, end) for line, last, start, end in positions)
+    return [one for one in found if None not in one and one[:2] < one[2:]]
+
+
+def _innermost(nodes: list[Any], code: CodeType) -> list[Any]:
+    """Return the innermost lambda that contains all columns of a code, or all nodes if they are not lambdas."""
+    columns = _columns(code)
+    around = []
+    for node in nodes:
+        body = getattr(node, "body", None)
+        if isinstance(body, ast.expr):
+            first, last = (body.lineno, body.col_offset), (body.end_lineno, body.end_col_offset)
+            if all(first <= one[:2] and one[2:] <= last for one in columns):
+                around.append(node)
+    return around[-1:] or nodes
+
+
 def codes_like(code: CodeType, within: CodeType) -> list[CodeType]:
     """Return the code objects with the same name and first line, from top to bottom."""
     found = []
@@ -286,8 +337,17 @@ def codes_like(code: CodeType, within: CodeType) -> list[CodeType]:
     return found
 
 
+def is_bound(code: CodeType) -> bool:
+    """Return True for the code of a rewritten function, or of a function in one, that notes something."""
+    return any(is_bound(one) if isinstance(one, CodeType) else isinstance(one, FunctionType) for one in code.co_consts)
+
+
 def _is_noting(code: CodeType) -> bool:
-    return any(type(one) is str and one in _NOTES for one in code.co_consts)
+    """Return True if a code notes something, or a function in it does."""
+    return any(
+        _is_noting(one) if isinstance(one, CodeType) else type(one) is str and one in (*_NOTES, *HOOKS)
+        for one in code.co_consts
+    )
 
 
 def _is_same(one: Any, other: Any) -> bool:
@@ -306,7 +366,7 @@ def _is_same(one: Any, other: Any) -> bool:
     return bool(one == other) or repr(one) == repr(other)
 
 
-class _Rewriter:
+class Rewriter:
     """Rewrites the body of one function."""
 
     def __init__(self, code: CodeType, lines: Sequence[str]) -> None:
@@ -316,6 +376,8 @@ class _Rewriter:
         self._plain = frozenset(code.co_varnames) - {*code.co_cellvars, *code.co_freevars}
         """The local variables that no inner function uses: to read one has no effect."""
         self._loop: int | None = None
+        self._is_inner = False
+        """True in a comprehension or an inner function, which may run often."""
         self._line = self._body_line = 0
         """The line of the statement, and of the first one."""
         self._raises = 0
@@ -381,7 +443,7 @@ class _Rewriter:
             else:
                 node.value = self._value(node.value, _names_of(targets))
         elif isinstance(node, ast.AugAssign):
-            node.value = self._parts(node.value)
+            node.value = self._sub(node.value)
             if isinstance(node.target, ast.Name) and node.target.id in self._plain:
                 name = node.target.id
                 more.append(self._note_names(node.target, VALUE, ast.Name(name, ast.Load()), (name,)))
@@ -436,7 +498,7 @@ class _Rewriter:
 
     def _close(self, node: Any, before: int) -> None:
         """Note the lines of a statement without its blocks. Its places begin at a number."""
-        places = tuple(range(before, len(self.places)))
+        places = tuple(number for number in range(before, len(self.places)) if not self.places[number].is_inner)
         blocks = [getattr(node, name, None) for name in ("body", "orelse", "finalbody", "handlers", "cases")]
         is_open = not isinstance(node, (ast.Lambda, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
         inner = [block[0] for block in blocks if isinstance(block, list) and block] if is_open else []
@@ -526,7 +588,7 @@ class _Rewriter:
             node.test = self._part(node.test)
             node.body, node.orelse = self._sub(node.body), self._sub(node.orelse)
         elif isinstance(node, ast.NamedExpr):
-            node.value = self._wrap(self._parts(node.value), OPERAND, names=(node.target.id,))
+            node.value = self._wrap(self._sub(node.value), OPERAND, names=(node.target.id,))
         else:
             for name, value in ast.iter_fields(node):
                 if isinstance(value, ast.expr):
@@ -567,8 +629,9 @@ class _Rewriter:
             made.append(side)
             extras += extra
         node.left, node.comparators = made[0], made[1:]
-        relation = _RELATIONS[type(node.ops[0])] if len(node.ops) == 1 else ""
-        return self._wrap(node, kind or COMPARE, names=names, extras=extras, relation=relation, operands=operands)
+        chain = tuple(_RELATIONS[type(one)] for one in node.ops)
+        noted: dict[str, Any] = {"extras": extras, "chain": chain, "operands": operands}
+        return self._wrap(node, kind or COMPARE, names=names, relation=chain[0] * (len(chain) == 1), **noted)
 
     def _noted_rays(self, node: Any, kind: str, names: tuple[str, ...]) -> Any:
         has_walrus = any(isinstance(one, ast.NamedExpr) for one in ast.walk(node))
@@ -614,6 +677,7 @@ class _Rewriter:
         names: tuple[str, ...] = (),
         extras: Sequence[ast.expr] = (),
         relation: str = "",
+        chain: tuple[str, ...] = (),
         operands: Sequence[Operand] = (),
         at: Any = None,
     ) -> ast.expr:
@@ -622,9 +686,10 @@ class _Rewriter:
         is_shown_there = kind in (COMPARE, OPERAND, RAYS)
         line: int = at.lineno if is_shown_there else self._line
         text = "" if kind in (MARK, PASS) else self._text_of(at)
-        self.places.append(NotedPlace(kind, line, text, len(extras), names, relation, tuple(operands), self._loop))
+        what = kind, line, text, len(extras), names, relation, tuple(operands), self._loop, chain, self._is_inner
+        self.places.append(NotedPlace(*what))
         number = ast.copy_location(ast.Constant(len(self.places) - 1), at)
-        which = len(extras) + (0 if self._loop is None else MOST_EXTRAS + 1)
+        which = len(extras) + (MOST_EXTRAS + 1 if self._is_inner or self._loop is not None else 0)
         function = ast.copy_location(ast.Constant(_NOTES[which]), at)
         return ast.copy_location(ast.Call(function, [number, node, *extras], []), at)
 

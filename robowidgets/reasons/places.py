@@ -44,6 +44,8 @@ class NotedPlace:
         relation: of a comparison with two sides, such as ``<``.
         operands: for a comparison its sides. For a call that reads rays the scan, then the sector.
         loop: the number of the innermost loop around it, or None.
+        chain: of a comparison its relations, one between each two sides.
+        is_inner: True in a comprehension or an inner function, whose notes are not shown on lines.
     """
 
     kind: str
@@ -54,6 +56,8 @@ class NotedPlace:
     relation: str = ""
     operands: tuple[Operand, ...] = ()
     loop: int | None = None
+    chain: tuple[str, ...] = ()
+    is_inner: bool = False
 
 
 @dataclass(frozen=True)
