@@ -1,3 +1,5 @@
+import type { Models, NotebookContext, StyleOf } from "./saved_pictures.ts";
+
 /**
  * The module that Jupyter imports for each widget, and keeps as long as the widget: it runs the widget's own script
  * once per page.
@@ -8,7 +10,10 @@ interface Given {
     get(name: string): string;
     /** Returns the model itself, if it is a model of ipywidgets. */
     set(name: string, value: string): unknown;
-    widget_manager?: { get_state?: unknown };
+    on(event: string, callback: (content: { saved_pictures?: string }) => void): void;
+    off(event: string, callback: (content: { saved_pictures?: string }) => void): void;
+    send(content: unknown): void;
+    widget_manager?: Partial<Models> & { get_state?: unknown; context?: NotebookContext };
   };
   el: HTMLElement;
   signal: AbortSignal;
@@ -30,6 +35,9 @@ interface JupyterModel {
 
 /** A script that has run. */
 type Ran = Promise<{ default: Widget | (() => Widget) }>;
+
+/** The script of saved_pictures.ts that has run. */
+type Pictures = { default: (context: NotebookContext, models: Models, styleOf: StyleOf) => { soon(): void } };
 
 const scripts = new Map<string, Ran>();
 const copies = new Map<string, string>();
@@ -75,6 +83,38 @@ async function hearAlsoIfLate(model: JupyterModel): Promise<void> {
   }
 }
 
+/** Milliseconds after the first view of a notebook: it is painted before. */
+const ASK_MS = 1000;
+const pictures = new WeakMap<NotebookContext, Promise<{ soon(): void }>>();
+const models = new WeakMap<Element, Given["model"]>();
+
+/** Has the pictures of a notebook saved in it, in JupyterLab and Notebook 7; does nothing in other hosts. */
+function keepPicture({ model, el, signal }: Given): void {
+  const context = model.widget_manager?.context;
+  if (!context?.sessionContext) return;
+  models.set(el, model);
+  const kept = pictures.get(context) ?? askForPictures(model, context, signal);
+  pictures.set(context, kept);
+  model.on("change:paused change:playing", () => void kept.then((saved) => saved.soon()));
+}
+
+function askForPictures(model: Given["model"], context: NotebookContext, signal?: AbortSignal) {
+  return new Promise<{ soon(): void }>((resolve) => {
+    const onAnswer = async ({ saved_pictures: script }: { saved_pictures?: string }) => {
+      if (!script) return;
+      model.off("msg:custom", onAnswer);
+      signal?.removeEventListener("abort", onGone);
+      const { default: start } = (await run(script)) as unknown as Pictures;
+      resolve(start(context, model.widget_manager as Models, (element) => models.get(element)?.get("_style")));
+    };
+    // The next view asks again.
+    const onGone = () => void pictures.delete(context);
+    signal?.addEventListener("abort", onGone);
+    model.on("msg:custom", onAnswer);
+    setTimeout(() => model.send({ saved_pictures: true }), ASK_MS);
+  });
+}
+
 export default () => {
   let widget: Widget;
   let closed: AbortSignal;
@@ -110,6 +150,7 @@ export default () => {
         });
         observer.observe(el);
       }
+      keepPicture(given);
       // A view within another widget does not end by itself if its model is closed.
       return widget.render({ ...given, signal: AbortSignal.any([given.signal, closed]) });
     },

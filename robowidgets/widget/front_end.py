@@ -57,6 +57,11 @@ def _run_once() -> str:
     return built_file(STATIC / "run_once.js").read_text(encoding="utf-8")
 
 
+@functools.cache
+def _saved_pictures() -> str:
+    return built_file(STATIC / "saved_pictures.js").read_text(encoding="utf-8")
+
+
 def owner_of_script(widget: Any) -> type:
     """Return the class that names the script of a widget."""
     return next(c for c in type(widget).__mro__ if isinstance(vars(c).get("_esm"), (str, Path)))
@@ -94,3 +99,10 @@ class FrontEndWidget(anywidget.AnyWidget):
         super().add_traits(**traits)
         if isinstance(getattr(plain, "_esm", None), str):  # with hot reload the class differs from widget to widget
             _with_front_end[plain] = type(self)
+
+    def _handle_custom_msg(self, content: Any, buffers: Any) -> None:
+        """Pass a message of the page on, or answer its request for the script that saves pictures in the notebook."""
+        if content == {"saved_pictures": True}:
+            self.send({"saved_pictures": _saved_pictures()})
+        else:
+            super()._handle_custom_msg(content, buffers)
