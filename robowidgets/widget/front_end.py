@@ -58,8 +58,8 @@ def _run_once() -> str:
 
 
 @functools.cache
-def _saved_pictures() -> str:
-    return built_file(STATIC / "saved_pictures.js").read_text(encoding="utf-8")
+def _later() -> str:
+    return built_file(STATIC / "later.js").read_text(encoding="utf-8")
 
 
 def owner_of_script(widget: Any) -> type:
@@ -101,8 +101,8 @@ class FrontEndWidget(anywidget.AnyWidget):
             _with_front_end[plain] = type(self)
 
     def _handle_custom_msg(self, content: Any, buffers: Any) -> None:
-        """Pass a message of the page on, or answer its request for the script that saves pictures in the notebook."""
-        if content == {"saved_pictures": True}:
-            self.send({"saved_pictures": _saved_pictures()})
+        """Pass a message of the page on, or answer its request for the script that it needs later."""
+        if content == {"later": True}:
+            self.send({"later": _later()})
         else:
             super()._handle_custom_msg(content, buffers)

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { explain } from "../../robowidgets/js/shared/glossary.ts";
+import { explain } from "../../robowidgets/js/later/glossary.ts";
 
 /** The first words of the sentences on a text. */
 const subjects = (text: string) => explain(text).map((sentence) => sentence.split(/ is | turns |:| \(/)[0]);

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { inflateSync } from "node:zlib";
-import { toIndexed, toPng } from "../../robowidgets/js/shared/indexed_png.ts";
+import { toIndexed, toPng } from "../../robowidgets/js/later/indexed_png.ts";
 
 const [WHITE, RED, GRAY] = [0xffffff, 0xd92d20, 0xedf0f2];
 const pause = async () => {};

@@ -3,7 +3,6 @@ import { make, makeButton, makeIcon, set, setHidden, setLabel, setText } from ".
 import { onAbort } from "../shared/events.ts";
 import { toMany, toShortMetres } from "../shared/format.ts";
 import type { Scan } from "../shared/frames/scan.ts";
-import { explainWords } from "../shared/glossary.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { FORWARD } from "../shared/projection.ts";
@@ -66,7 +65,6 @@ export class LaserView implements Host {
     this.stream = stream;
     this.signal = signal;
     this.card = new SampleCard(element, "laser", model, stream, () => this.#draw(), signal);
-    explainWords(this.card.root, signal);
     const { picture, footer } = this.card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";

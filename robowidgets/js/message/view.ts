@@ -2,7 +2,6 @@ import { copyText } from "../shared/copy.ts";
 import { make, makeButton, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toCount, toFixed } from "../shared/format.ts";
-import { explainWords } from "../shared/glossary.ts";
 import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
 import { quoted } from "../shared/python.ts";
 import { SampleCard } from "../shared/sample_card.ts";
@@ -68,7 +67,6 @@ export class MessageView {
     this.#model = model;
     this.#stream = stream;
     const card = new SampleCard(element, "message", model, stream, () => this.#draw(), signal);
-    explainWords(card.root, signal);
     this.#card = card;
     this.#tree.role = "tree";
     this.#tree.ariaLabel = "fields";

@@ -6,7 +6,6 @@ import { type Step, watchDrags } from "../shared/drag.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { type Bounds, drawFloor, fit, type Place, type Projection, toFloor, toPixel } from "../shared/floor.ts";
 import { toDegrees, toFixed, toMany, toMetres } from "../shared/format.ts";
-import { explainWords } from "../shared/glossary.ts";
 import { lacksKernel, type Model, onChange, setTraits } from "../shared/model.ts";
 import { Occupancy } from "../shared/occupancy.ts";
 import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
@@ -89,7 +88,6 @@ export class PathView {
     this.#stream = stream;
     this.#ground = ground;
     this.#card = new SampleCard(element, "path", model, stream, () => this.#draw(), signal);
-    explainWords(this.#card.root, signal);
     const { picture, footer, root } = this.#card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";

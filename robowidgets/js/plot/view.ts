@@ -4,7 +4,6 @@ import { Card } from "../shared/card.ts";
 import { make, makeButton, makeIcon, PAUSE, PLAY, set, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toFixed, toMany } from "../shared/format.ts";
-import { explainWords } from "../shared/glossary.ts";
 import { describeMark, markBeside } from "../shared/marks.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, setTraits } from "../shared/model.ts";
 import { offerPng } from "../shared/png.ts";
@@ -89,7 +88,6 @@ export class PlotView {
     this.#member = member;
     this.#redrawTop = perAnimationFrame(() => this.#drawTop(), signal);
     this.#card = new Card(element, "plot", model, () => this.#draw(), signal);
-    explainWords(this.#card.root, signal);
     const { picture, controls, footer, root } = this.#card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";

@@ -1,7 +1,6 @@
 import type { Box } from "../shared/box.ts";
 import { boxWithin, make, makeButton, makeIcon, set, setHidden, setText } from "../shared/dom.ts";
 import type { Speeds } from "../shared/frames/speeds.ts";
-import { explainWords } from "../shared/glossary.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
 import { setHeld } from "../shared/room.ts";
@@ -70,7 +69,6 @@ export class SpeedView {
     this.#model = model;
     this.#stream = stream;
     this.#card = new SampleCard(element, "speed", model, stream, () => this.#draw(), signal);
-    explainWords(this.#card.root, signal);
     const { picture, footer } = this.#card;
     // Screen readers leave the arrow keys to it.
     picture.role = "application";

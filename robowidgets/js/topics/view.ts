@@ -1,7 +1,6 @@
 import { make, makeButton, makeSvg, mount, set, setHidden, setLabel, setText } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toAge, toFixed } from "../shared/format.ts";
-import { explainWords } from "../shared/glossary.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { lacksKernel, type Model, NO_KERNEL, newName, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { setHeld } from "../shared/room.ts";
@@ -130,7 +129,6 @@ export class TopicsView {
     this.#root.ariaLabel = "topics";
     this.#live.ariaLive = "polite";
     mount(element, this.#root, signal);
-    explainWords(this.#root, signal);
     followTheme(this.#root, signal);
     keepKeys(this.#root, signal);
     onChange(model, ["_rows", "_shown", "folded", "wires", "_fixed", "_error"], this.#redraw, signal);

@@ -1,10 +1,9 @@
-import { make } from "./shared/dom.ts";
-import { toIndexed, toPng } from "./shared/indexed_png.ts";
-import { paint } from "./shared/painting.ts";
+import { make } from "../shared/dom.ts";
+import { paint } from "../shared/painting.ts";
+import { toIndexed, toPng } from "./indexed_png.ts";
 
 /**
- * The pictures of widgets in the outputs of a notebook, where readers without a kernel find them. Loaded by run_once.ts
- * a moment after the first widget is on show.
+ * The pictures of widgets in the outputs of a notebook, where readers without a kernel find them.
  *
  * An update of the output by the kernel would make JupyterLab render the widget again. So the page writes the pictures,
  * past the views, into the document that is saved.
@@ -78,7 +77,7 @@ interface Picture {
   height: number;
 }
 
-class SavedPictures {
+export class SavedPictures {
   readonly #context: NotebookContext;
   readonly #models: Models;
   readonly #styleOf: StyleOf;
@@ -257,5 +256,7 @@ function untilIdle(): Promise<void> {
   });
 }
 
-export default (context: NotebookContext, models: Models, styleOf: StyleOf) =>
-  new SavedPictures(context, models, styleOf);
+/** Keeps the pictures of a notebook in it. */
+export function keepPictures(context: NotebookContext, models: Models, styleOf: StyleOf): SavedPictures {
+  return new SavedPictures(context, models, styleOf);
+}
