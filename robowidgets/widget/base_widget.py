@@ -89,7 +89,7 @@ class NamedWidget(InWords, FrontEndWidget):
     def _is_ours(cls, name: str) -> bool:
         if name in _HOST_TRAITS:
             return True
-        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, NamedWidget))
+        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, FrontEndWidget))
 
     @classmethod
     def _hint(cls, table: str, name: str) -> str:

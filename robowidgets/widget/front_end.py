@@ -11,8 +11,36 @@ import anywidget
 import traitlets
 
 from ..runtime.platform_fixes import share_class
+from ..runtime.text import nearest_name
 
 STATIC = Path(__file__).parents[1] / "static"
+
+THEMES = ("auto", "light", "dark", "projector", "paper")
+_themes = {"default": "auto"}
+
+
+def set_theme(theme: str) -> None:
+    """Set the theme of all widgets that are made after this call; `theme` of a widget or screen changes it alone.
+
+    Args:
+        theme: ``"projector"``: half as large again, for the back row. ``"paper"``: black on white, areas as outlines.
+            ``"light"`` or ``"dark"``. ``"auto"``: light or dark as the notebook.
+
+    Raises:
+        ValueError: not one of these.
+
+    Examples:
+        >>> import robowidgets
+        >>> robowidgets.set_theme("projector")
+        >>> robowidgets.LaserWidget().theme
+        'projector'
+        >>> robowidgets.set_theme("auto")
+    """
+    if theme not in THEMES:
+        near = nearest_name(theme, THEMES) if isinstance(theme, str) else None
+        hint = f"; did you mean {near!r}?" if near else ""
+        raise ValueError(f"set_theme: expected one of {', '.join(THEMES)}, got {theme!r}{hint}")
+    _themes["default"] = theme
 
 
 class Script(str):
@@ -80,6 +108,14 @@ _with_front_end: dict[type, type] = {}
 
 class FrontEndWidget(anywidget.AnyWidget):
     """A widget whose script and stylesheet a page keeps once, for all of its kind."""
+
+    theme = traitlets.Enum(
+        THEMES, help='"auto", "light", "dark", "projector" or "paper". The theme of the screen around it comes first.'
+    ).tag(sync=True)
+
+    @traitlets.default("theme")
+    def _default_theme(self) -> str:
+        return _themes["default"]
 
     def add_traits(self, **traits: Any) -> None:
         """Give the widget the front end as traits, as anywidget does, but make the class only once.

@@ -24,7 +24,7 @@ class InWords:
 
 
 def _lines(widget: Any) -> Iterator[str]:
-    """Yield the text of a widget and those of the widgets in it, each once."""
+    """Yield the text of a widget, and the texts of the widgets in it."""
     if isinstance(widget, InWords):
         yield repr(widget)
     for child in getattr(widget, "children", ()):

@@ -1,4 +1,4 @@
-import { make } from "./dom.ts";
+import { make, zoomOf } from "./dom.ts";
 
 /** Characters that are illegal in XML. */
 const FORBIDDEN = /[^\P{C}\p{Cf}\p{Co}\n]/gu;
@@ -9,7 +9,8 @@ export async function paint(root: HTMLElement, css: string, ratio: number): Prom
   const { backgroundColor, fontFamily } = getComputedStyle(root);
   const copy = root.cloneNode(true) as HTMLElement;
   copy.classList.add("rw-still");
-  copy.style.cssText = `--jp-layout-color0:${backgroundColor};font-family:${fontFamily}`;
+  // The copy has no screen around it.
+  copy.style.cssText = `zoom:${zoomOf(root)};--jp-layout-color0:${backgroundColor};font-family:${fontFamily}`;
   copy.append(make("style", "", css));
   // Copies, which the browser encodes in the background.
   const canvases = [...root.querySelectorAll("canvas")].map(copyOf);
