@@ -11,13 +11,17 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import expect
+from playwright.sync_api import Locator, expect
 
+from .laser import eventually
 from .notebook import Notebook
 
 MAX_BYTES = 60_000
+KNOB = (37, 99, 235)
+"""The colour of the knob of the bar."""
 CELLS = [
     """
 import numpy as np
@@ -47,6 +51,19 @@ MARK = """(cards) => {
     for (const card of cards) card.dataset.marked = "";
     return cards.length;
 }"""
+PLACE = """(part) => {
+    const { left, top } = part.getBoundingClientRect();
+    const cards = [...part.closest(".rw-one-screen").querySelectorAll(".rw-card:not(.rw-topics)")];
+    const corners = cards.map((card) => card.getBoundingClientRect());
+    const from = (side) => Math.min(...corners.map((corner) => corner[side]));
+    return [Math.round(left - from("left")), Math.round(top - from("top"))];
+}"""
+"""Return the place of a part of a screen in its picture."""
+IS_BAR_OVER = """(path) => {
+    path.scrollIntoView();
+    const [bar, laser] = ["player", "laser"].map((name) => path.closest(".rw-one-screen").querySelector(`.rw-${name}`));
+    return bar.getBoundingClientRect().top > laser.getBoundingClientRect().top;
+}"""
 WITH_PICTURE = """([path, cell, before]) => {
     const [output] = window.driver.savedOutputs(path, cell);
     const isDrawn = Object.keys(output?.data ?? {}).some((type) => type.startsWith("image/"));
@@ -69,6 +86,17 @@ def saved(file: Path, cell: int) -> dict[str, Any]:
     """The data of the output of a cell in a file."""
     (output,) = json.loads(file.read_text())["cells"][cell]["outputs"]
     return {kind: "".join(data) if isinstance(data, list) else data for kind, data in output["data"].items()}
+
+
+def assert_shows(output: dict[str, Any], shown: Locator, part: str) -> None:
+    """Assert that the picture of a screen shows a part of it as the page does."""
+    seen = np.asarray(Image.open(io.BytesIO(shown.locator(part).screenshot())).convert("RGB")).astype(int)
+    picture = Image.open(io.BytesIO(base64.b64decode(output["data"]["image/png"]))).convert("RGB")
+    x, y = shown.locator(part).evaluate(PLACE)
+    saved_part = np.asarray(picture.crop((x, y, x + seen.shape[1], y + seen.shape[0]))).astype(int)
+    assert np.mean(abs(seen - saved_part).max(axis=-1) > 60) < 0.02
+    blue_at = [np.nonzero(abs(pixels - KNOB).max(axis=-1) < 40)[1].mean() for pixels in (seen, saved_part)]
+    assert blue_at[0] == pytest.approx(blue_at[1], abs=3)
 
 
 def pin(nb: Notebook) -> None:
@@ -112,6 +140,8 @@ def test_a_saved_notebook_shows_the_last_pictures_without_scripts_and_the_widget
     assert "application/vnd.jupyter.widget-view+json" in third["data"]
     nb.page.wait_for_function("(path) => !window.driver.isDirty(path)", arg=nb.path)
     assert nb.page.locator(".rw-card[data-marked]").count() == count
+    for part in (".rw-speed .rw-board", ".rw-player .rw-play-line"):
+        assert_shows(written(nb, 2), nb.output(2), part)
 
     # JupyterLab saves no state of widgets unless its user wants it: an export then shows the pictures.
     content = json.loads(file.read_text())
@@ -133,3 +163,17 @@ def test_freezing_takes_a_picture_and_a_photograph_becomes_a_small_jpeg(notebook
     pin(nb)
     nb.widget(0).locator(".rw-freeze").click()
     assert "ranges[" in words(written(nb, 0, before=before))
+
+
+def test_a_scrolled_narrow_player_has_its_bar_above_its_pictures(notebook: Any) -> None:
+    nb: Notebook = notebook(["import robowidgets", CELLS[2]], width=700)
+    before = words(written(nb, 1))
+    path = nb.output(1).locator(".rw-path")
+    eventually(lambda: path.evaluate(IS_BAR_OVER), True)
+    nb.python("player.time = 30")
+    nb.save()
+    output = written(nb, 1, before=before)
+    (kind,) = (kind for kind in output["data"] if kind.startswith("image/"))
+    picture = Image.open(io.BytesIO(base64.b64decode(output["data"][kind]))).convert("RGB")
+    top = np.asarray(picture).astype(int)[: 70 * picture.width // output["metadata"][kind]["width"]]
+    assert (abs(top - KNOB).max(axis=-1) < 40).sum() > 20

@@ -169,9 +169,7 @@ export class SavedPictures {
     for (const inner of [card, ...card.querySelectorAll(".rw-card")]) {
       for (let at: Element | null = inner; at; at = at.parentElement) {
         const sheet = this.#styleOf(at);
-        if (sheet === undefined) continue;
-        sheets.add(sheet);
-        break;
+        if (sheet !== undefined) sheets.add(sheet);
       }
     }
     return [...sheets].join("\n");
@@ -195,9 +193,20 @@ function wordsOf(node: Node): string {
   return ` ${[...node.childNodes].map(wordsOf).join("")} `;
 }
 
+/** The boxes of cards; of a bar that stays in view while the page scrolls, where it stands without that. */
+function boxesOf(cards: HTMLElement[]): DOMRect[] {
+  const stuck = cards
+    .flatMap((card) => card.closest<HTMLElement>(".rw-item") ?? [])
+    .filter((item) => getComputedStyle(item).position === "sticky");
+  for (const item of stuck) item.style.position = "relative";
+  const boxes = cards.map((card) => card.getBoundingClientRect());
+  for (const item of stuck) item.style.position = "";
+  return boxes;
+}
+
 /** Cards in one picture, at their places, in at most `MAX_BYTES`, or twice as many for several cards. */
 async function pictureOf(cards: HTMLElement[], styleOf: (card: HTMLElement) => string): Promise<Picture> {
-  const boxes = cards.map((card) => card.getBoundingClientRect());
+  const boxes = boxesOf(cards);
   const left = Math.min(...boxes.map((box) => box.left));
   const top = Math.min(...boxes.map((box) => box.top));
   const width = Math.round(Math.max(...boxes.map((box) => box.right)) - left);

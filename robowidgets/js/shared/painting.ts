@@ -7,10 +7,11 @@ const FORBIDDEN = /[^\P{C}\p{Cf}\p{Co}\n]/gu;
 export async function paint(root: HTMLElement, css: string, ratio: number): Promise<HTMLCanvasElement> {
   const { width, height } = root.getBoundingClientRect();
   const { backgroundColor, fontFamily } = getComputedStyle(root);
-  const copy = root.cloneNode(true) as HTMLElement;
-  copy.classList.add("rw-still");
-  // The copy has no screen around it.
-  copy.style.cssText = `zoom:${zoomOf(root)};--jp-layout-color0:${backgroundColor};font-family:${fontFamily}`;
+  const card = root.cloneNode(true) as HTMLElement;
+  card.classList.add("rw-still");
+  keepInputs(root, card);
+  const copy = inScreen(root, card);
+  copy.style.cssText += `;--jp-layout-color0:${backgroundColor};font-family:${fontFamily}`;
   copy.append(make("style", "", css));
   // Copies, which the browser encodes in the background.
   const canvases = [...root.querySelectorAll("canvas")].map(copyOf);
@@ -28,6 +29,37 @@ export async function paint(root: HTMLElement, css: string, ratio: number): Prom
   paper.height = Math.round(height * ratio);
   paper.getContext("2d")?.drawImage(image, 0, 0, paper.width, paper.height);
   return paper;
+}
+
+/** Gives the controls of a copy their values, which are no attributes. */
+function keepInputs(root: HTMLElement, copy: HTMLElement): void {
+  const copies = copy.querySelectorAll("input");
+  for (const [i, input] of root.querySelectorAll("input").entries()) copies[i]?.setAttribute("value", input.value);
+}
+
+/**
+ * The copy of a card within empty copies of its screen, whose rules for its layout it needs.
+ *
+ * @returns the outermost copy, with the scale that the element has in the page
+ */
+function inScreen(root: HTMLElement, card: HTMLElement): HTMLElement {
+  const screen = root.closest<HTMLElement>(".rw-one-screen");
+  const zoom = zoomOf(root);
+  if (!screen) {
+    card.style.zoom = String(zoom);
+    return card;
+  }
+  const { width, height } = root.getBoundingClientRect();
+  card.style.cssText += `;visibility:visible;position:fixed;inset:0 auto auto 0;width:${width / zoom}px;height:${height / zoom}px`;
+  let copy = card;
+  for (let at: HTMLElement = root; at !== screen; at = at.parentElement as HTMLElement) {
+    const around = at.parentElement as HTMLElement;
+    const outer = around.cloneNode(false) as HTMLElement;
+    outer.append(...[...around.children].map((inner) => (inner === at ? copy : inner.cloneNode(false))));
+    copy = outer;
+  }
+  copy.style.cssText += `;visibility:hidden;width:${screen.offsetWidth}px;zoom:${zoomOf(screen)}`;
+  return copy;
 }
 
 function copyOf(canvas: HTMLCanvasElement): HTMLCanvasElement {
