@@ -193,7 +193,7 @@ function wordsOf(node: Node): string {
   return ` ${[...node.childNodes].map(wordsOf).join("")} `;
 }
 
-/** The boxes of cards; of a bar that stays in view while the page scrolls, where it stands without that. */
+/** The boxes of cards. A bar that stays in view while the page scrolls has the box that it has in an unscrolled page. */
 function boxesOf(cards: HTMLElement[]): DOMRect[] {
   const stuck = cards
     .flatMap((card) => card.closest<HTMLElement>(".rw-item") ?? [])
