@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from .sonar_widget import SonarWidget
     from .speed_widget import SpeedWidget
     from .touch_widget import TouchWidget
+    from .widget.front_end import set_theme
     from .wires_widget import WiresWidget
 
 __version__ = "0.1.0"
@@ -136,6 +137,7 @@ __all__ = [
     "load_map",
     "plot",
     "screen",
+    "set_theme",
     "simulator",
     "spread",
     "summary",
@@ -173,6 +175,7 @@ _LATER = {
     ".sonar_widget": ("SonarWidget",),
     ".speed_widget": ("SpeedWidget",),
     ".touch_widget": ("TouchWidget",),
+    ".widget.front_end": ("set_theme",),
     ".wires_widget": ("WiresWidget",),
 }
 """Public names by their modules. These are imported at the first use, because one widget needs few of them."""

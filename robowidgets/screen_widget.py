@@ -9,6 +9,7 @@ import traitlets
 
 from .widget.cards import as_arrangement, checked_cards
 from .widget.front_end import FrontEndWidget, bundle, kind_of
+from .widget.in_words import InWords
 
 
 def _style(layout: Any) -> dict[str, str]:
@@ -17,7 +18,7 @@ def _style(layout: Any) -> dict[str, str]:
     return {name.replace("_", "-"): str(value) for name in names if (value := getattr(layout, name)) is not None}
 
 
-class ScreenWidget(FrontEndWidget):
+class ScreenWidget(InWords, FrontEndWidget):
     """Widgets on one screen, which the page lays out by their places. A widget that changes its place stays as it is.
 
     Args:

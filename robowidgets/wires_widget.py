@@ -13,6 +13,7 @@ from .message_widget import MessageWidget
 from .runtime.platform_fixes import route_by_message
 from .runtime.text import many
 from .widget.front_end import bundle
+from .widget.in_words import InWords
 from .widget.robot_widget import RobotWidget
 
 
@@ -246,7 +247,7 @@ class WiresWidget(RobotWidget[Wiring]):
         return json.dumps(told, separators=(",", ":")).encode()
 
 
-class WiresView(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class WiresView(InWords, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """The wires, and below them the messages of opened topics.
 
     Args:

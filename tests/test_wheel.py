@@ -20,7 +20,7 @@ PAGES = sorted(file.stem for file in (ROOT / "robowidgets" / "js").glob("export_
 """The scripts of pages that play without a kernel."""
 EACH = "run_once.js"
 """The files that Jupyter runs for each widget."""
-FRONT_END = {EACH} | {f"{name}.{kind}" for name in (*WIDGETS, *PAGES) for kind in ("js", "css")}
+FRONT_END = {EACH, "later.js"} | {f"{name}.{kind}" for name in (*WIDGETS, *PAGES) for kind in ("js", "css")}
 LARGEST_SAMPLE = 1_000_000
 RECORDINGS = (".bag", ".mcap", ".db3")
 # Addresses that are never fetched: names of XML namespaces, and the address in the licence of uPlot.

@@ -18,6 +18,7 @@ from ..runtime.coalesced_call import CoalescedCall
 from ..runtime.text import many
 from ..screens.player import Player
 from ..sheet_widget import SheetFile, SheetWidget
+from ..widget.in_words import InWords
 from ._fleet_table import Unread, short
 from ._hit import Hit
 from ._picture_sender import PictureSender
@@ -28,7 +29,7 @@ _SAME = 1e-6
 """The maximum difference in seconds between two times of one moment."""
 
 
-class Sheet(ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
+class Sheet(InWords, ipywidgets.VBox):  # type: ignore[misc]  # ipywidgets has no types
     """A contact sheet of hits; a click opens the player of a hit below it. `Hits.show` returns it.
 
     `close` removes everything from the page; running the cell again does the same.

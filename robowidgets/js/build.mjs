@@ -10,7 +10,7 @@ const watch = process.argv.includes("--watch");
 const [from = ".", to = "../static"] = process.argv.slice(2).filter((argument) => !argument.startsWith("--"));
 const options = {
   entryPoints: readdirSync(from).flatMap((name) =>
-    /(_widget|^export_\w+|^run_once)\.(ts|css)$/.test(name) ? join(from, name) : [],
+    /(_widget|^export_\w+|^run_once|^later)\.(ts|css)$/.test(name) ? join(from, name) : [],
   ),
   outdir: to,
   // Widgets of other packages import the shared parts by this name.
@@ -20,7 +20,7 @@ const options = {
   logLevel: "info",
 };
 
-// Scripts of widgets and run_once.ts are modules, which run once per page. What they make stays under a key, where an
+// Scripts of widgets, run_once.ts and later.ts are modules, which run once per page. What they make stays under a key, where an
 // exported page finds it, too.
 function toModule(name, script) {
   if (name.startsWith("export_")) return script;

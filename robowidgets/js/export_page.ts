@@ -1,6 +1,7 @@
 import { start } from "./export/page.ts";
 import { explain } from "./export/parts.ts";
 import laser from "./laser_widget.ts";
+import { explainWords } from "./later/glossary.ts";
 import path from "./path_widget.ts";
 import player from "./player_widget.ts";
 import scanogram from "./scanogram_widget.ts";
@@ -19,6 +20,7 @@ const WIDGETS = {
   touch_widget: touch,
 };
 
+explainWords(document);
 start(WIDGETS as unknown as Parameters<typeof start>[0]).catch((error) =>
   explain(`This page cannot be shown: ${error}`),
 );

@@ -1,3 +1,6 @@
+import type { Models, NotebookContext } from "./later/saved_pictures.ts";
+import type { LATER } from "./later.ts";
+
 /**
  * The module that Jupyter imports for each widget, and keeps as long as the widget: it runs the widget's own script
  * once per page.
@@ -8,7 +11,10 @@ interface Given {
     get(name: string): string;
     /** Returns the model itself, if it is a model of ipywidgets. */
     set(name: string, value: string): unknown;
-    widget_manager?: { get_state?: unknown };
+    on(event: string, callback: (content: { later?: string }) => void): void;
+    off(event: string, callback: (content: { later?: string }) => void): void;
+    send(content: unknown): void;
+    widget_manager?: Partial<Models> & { get_state?: unknown; context?: NotebookContext };
   };
   el: HTMLElement;
   signal: AbortSignal;
@@ -75,6 +81,65 @@ async function hearAlsoIfLate(model: JupyterModel): Promise<void> {
   }
 }
 
+/** Milliseconds after the first view: it is painted before. */
+const LATER_MS = 1000;
+/** The functions by which the views ask Python for the script of later.ts. */
+const asks = new Set<() => void>();
+let asker: (() => void) | undefined;
+/** Undefined once the script has come. */
+let load: ((script: string) => void) | undefined;
+const later = new Promise<typeof LATER>((resolve) => {
+  load = (script) => {
+    load = undefined;
+    asks.clear();
+    const ran = run(script) as Promise<unknown> as Promise<{ default: typeof LATER }>;
+    resolve(
+      ran.then(({ default: parts }) => {
+        parts.explainWords(document);
+        return parts;
+      }),
+    );
+  };
+});
+const pictures = new WeakMap<NotebookContext, { soon(): void }>();
+const models = new WeakMap<Element, Given["model"]>();
+
+/** Has one of the views ask for the script; another one if that view ends before the answer. */
+function askForLater(): void {
+  [asker] = asks;
+  asker?.();
+}
+
+function loadLater({ model, signal }: Given): void {
+  if (!load) return;
+  const ask = () => model.send({ later: true });
+  const onAnswer = ({ later: script }: { later?: string }) => {
+    if (script) load?.(script);
+  };
+  asks.add(ask);
+  model.on("msg:custom", onAnswer);
+  signal.addEventListener("abort", () => {
+    model.off("msg:custom", onAnswer);
+    if (asks.delete(ask) && asker === ask) askForLater();
+  });
+  if (asks.size === 1) setTimeout(() => asker ?? askForLater(), LATER_MS);
+}
+
+/** Keeps the pictures of a notebook in it, in JupyterLab and Notebook 7; does nothing in other hosts. */
+function keepPicture({ model, el, signal }: Given): void {
+  const manager = model.widget_manager;
+  const context = manager?.context;
+  if (!context?.sessionContext) return;
+  models.set(el, model);
+  void later.then(({ keepPictures }) => {
+    const styleOf = (element: Element) => models.get(element)?.get("_style");
+    if (!pictures.has(context)) pictures.set(context, keepPictures(context, manager as Models, styleOf));
+  });
+  const onFreeze = () => pictures.get(context)?.soon();
+  model.on("change:paused change:playing", onFreeze);
+  signal.addEventListener("abort", () => model.off("change:paused change:playing", onFreeze));
+}
+
 export default () => {
   let widget: Widget;
   let closed: AbortSignal;
@@ -110,6 +175,8 @@ export default () => {
         });
         observer.observe(el);
       }
+      loadLater(given);
+      keepPicture(given);
       // A view within another widget does not end by itself if its model is closed.
       return widget.render({ ...given, signal: AbortSignal.any([given.signal, closed]) });
     },

@@ -13,6 +13,7 @@ import traitlets
 from ..runtime.log_once import LogOnce
 from ..runtime.text import nearest_name
 from .front_end import FrontEndWidget
+from .in_words import InWords
 from .traits import Flag
 
 log = logging.getLogger("robowidgets")
@@ -20,7 +21,7 @@ log = logging.getLogger("robowidgets")
 _HOST_TRAITS = ("layout", "tooltip", "tabbable")
 
 
-class NamedWidget(FrontEndWidget):
+class NamedWidget(InWords, FrontEndWidget):
     """A widget with a title, which refuses unknown keywords and traits, and logs each error once."""
 
     title = traitlets.Unicode(help="Title in the header, such as the topic. Plain text.").tag(sync=True)
@@ -88,7 +89,7 @@ class NamedWidget(FrontEndWidget):
     def _is_ours(cls, name: str) -> bool:
         if name in _HOST_TRAITS:
             return True
-        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, NamedWidget))
+        return not name.startswith("_") and any(name in vars(c) for c in cls.__mro__ if issubclass(c, FrontEndWidget))
 
     @classmethod
     def _hint(cls, table: str, name: str) -> str:

@@ -11,8 +11,36 @@ import anywidget
 import traitlets
 
 from ..runtime.platform_fixes import share_class
+from ..runtime.text import nearest_name
 
 STATIC = Path(__file__).parents[1] / "static"
+
+THEMES = ("auto", "light", "dark", "projector", "paper")
+_themes = {"default": "auto"}
+
+
+def set_theme(theme: str) -> None:
+    """Set the theme of all widgets that are made after this call; `theme` of a widget or screen changes it alone.
+
+    Args:
+        theme: ``"projector"``: half as large again, for the back row. ``"paper"``: black on white, areas as outlines.
+            ``"light"`` or ``"dark"``. ``"auto"``: light or dark as the notebook.
+
+    Raises:
+        ValueError: not one of these.
+
+    Examples:
+        >>> import robowidgets
+        >>> robowidgets.set_theme("projector")
+        >>> robowidgets.LaserWidget().theme
+        'projector'
+        >>> robowidgets.set_theme("auto")
+    """
+    if theme not in THEMES:
+        near = nearest_name(theme, THEMES) if isinstance(theme, str) else None
+        hint = f"; did you mean {near!r}?" if near else ""
+        raise ValueError(f"set_theme: expected one of {', '.join(THEMES)}, got {theme!r}{hint}")
+    _themes["default"] = theme
 
 
 class Script(str):
@@ -57,6 +85,11 @@ def _run_once() -> str:
     return built_file(STATIC / "run_once.js").read_text(encoding="utf-8")
 
 
+@functools.cache
+def _later() -> str:
+    return built_file(STATIC / "later.js").read_text(encoding="utf-8")
+
+
 def owner_of_script(widget: Any) -> type:
     """Return the class that names the script of a widget."""
     return next(c for c in type(widget).__mro__ if isinstance(vars(c).get("_esm"), (str, Path)))
@@ -76,6 +109,14 @@ _with_front_end: dict[type, type] = {}
 class FrontEndWidget(anywidget.AnyWidget):
     """A widget whose script and stylesheet a page keeps once, for all of its kind."""
 
+    theme = traitlets.Enum(
+        THEMES, help='"auto", "light", "dark", "projector" or "paper". The theme of the screen around it comes first.'
+    ).tag(sync=True)
+
+    @traitlets.default("theme")
+    def _default_theme(self) -> str:
+        return _themes["default"]
+
     def add_traits(self, **traits: Any) -> None:
         """Give the widget the front end as traits, as anywidget does, but make the class only once.
 
@@ -94,3 +135,10 @@ class FrontEndWidget(anywidget.AnyWidget):
         super().add_traits(**traits)
         if isinstance(getattr(plain, "_esm", None), str):  # with hot reload the class differs from widget to widget
             _with_front_end[plain] = type(self)
+
+    def _handle_custom_msg(self, content: Any, buffers: Any) -> None:
+        """Pass a message of the page on, or answer its request for the script that it needs later."""
+        if content == {"later": True}:
+            self.send({"later": _later()})
+        else:
+            super()._handle_custom_msg(content, buffers)

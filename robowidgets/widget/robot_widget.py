@@ -44,7 +44,8 @@ class RobotWidget(PacedWidget, Generic[S]):
 
     Its parts, from the page to here; each class has a module in this folder:
 
-    - `FrontEndWidget`: the script and the stylesheet, which a page keeps once.
+    - `FrontEndWidget`: the script and the stylesheet, which a page keeps once, and `theme`.
+    - `InWords`: the text of the output for readers without a page.
     - `NamedWidget`: `title` and `header`, the errors for unknown names, `close`, the repr.
     - `BeatingWidget`: a sign of life every second, if a class wants it.
     - `FreezableWidget`: `paused`, the frozen frame with its texts, and the group that is frozen together.

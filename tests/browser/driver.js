@@ -63,6 +63,11 @@ window.driver = (() => {
       return cell.model.id;
     },
 
+    // As the file has them.
+    savedOutputs: (path, index) => cellOf(path, index).model.sharedModel.toJSON().outputs,
+
+    isDirty: (path) => panelOf(path).model.dirty,
+
     outputs: (path, index) => cellOf(path, index).model.outputs.toJSON(),
 
     edit: (path, index, source) => cellOf(path, index).model.sharedModel.setSource(source),

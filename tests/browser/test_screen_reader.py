@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +13,9 @@ from .laser import SETUP, eventually
 from .plain_page import PlainPage
 from .test_styles import KINDS, WIDGETS
 
+INDEX = re.compile(r"\[225\] is the index of a ray")
+MARK = re.compile(r"^\+inf: nothing in range.*\n\+inf \(REP 117\): the beam met")
+DESCRIPTION = re.compile(r"^Drag along an arc.* \[225\] is the index of a ray")
 AXE = Path(__file__).parent / "node_modules" / "axe-core" / "axe.min.js"
 FINDINGS = """async (card) => {
     const { violations } = await axe.run(card, { resultTypes: ["violations"] });
@@ -93,3 +97,29 @@ def test_axe_finds_nothing(plain_page: Callable[..., PlainPage], theme: str) -> 
                 card.locator(".rw-type").click()
             found += [f"{kind} at {width} px: {finding}" for finding in card.evaluate(FINDINGS)]
     assert not found, "\n".join(found)
+
+
+def test_a_word_of_ros_is_explained_under_the_pointer_and_at_the_picture_that_has_the_focus(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([f"{SETUP}\nlaser.update(**fan({{7: inf}}))\nlaser"])
+    card = nb.page.get_by_role("group", name="laser /scan", exact=True)
+    index = card.locator(".rw-index")
+
+    # The page asks Python for the glossary a moment after the first view.
+    def tip() -> str:
+        card.locator(".rw-title").hover()
+        index.hover()
+        return str(index.get_attribute("title")).partition(" is ")[0]
+
+    eventually(tip, "[225]")
+    # A sentence follows the tooltip of the part around it.
+    count = card.locator(".rw-class-nothing_in_range > span:last-child")
+    for _ in range(2):
+        index.hover()
+        count.hover()
+    expect(count).to_have_attribute("title", MARK)
+    assert str(count.get_attribute("title")).count("REP 117") == 1
+    picture = card.get_by_role("application")
+    picture.focus()
+    expect(picture).to_have_attribute("aria-description", DESCRIPTION)

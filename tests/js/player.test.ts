@@ -681,3 +681,12 @@ test("a player passes the moment on show on to its followers", async () => {
   assert.equal(shown(), 1.25, "they are frozen there");
   end();
 });
+
+test("a message for another part of the page leaves the segments as they are", async () => {
+  const { fake, playback, state, end } = await play();
+  playback.seek(1.2);
+  fake.tell({ labelled: [] });
+  playback.seek(0.5);
+  assert.deepEqual(state._about, { frame_id: "0" });
+  end();
+});

@@ -233,8 +233,9 @@ def loaded_by(entry: Path) -> set[Path]:
 
 
 def test_each_file_of_the_front_end_is_in_a_script_or_a_stylesheet() -> None:
-    built = [path for path in JS.iterdir() if re.search(r"(_widget|^export_\w+|^run_once)\.(ts|css)$", path.name)]
-    used = {path for entry in (*built, *JS.glob("site/*.ts")) for path in loaded_by(entry)}
+    entry = r"(_widget|^export_\w+|^run_once|^later)\.(ts|css)$"
+    built = [path for path in JS.iterdir() if re.search(entry, path.name)]
+    used = {path for file in (*built, *JS.glob("site/*.ts")) for path in loaded_by(file)}
     files = [*JS.glob("*/*.ts"), *JS.glob("shared/*/*.ts"), *JS.glob("*/*.css")]
     assert [path.relative_to(JS).as_posix() for path in files if path.resolve() not in used] == []
 

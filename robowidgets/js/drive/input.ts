@@ -1,3 +1,4 @@
+import { pointIn } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { CENTER, isDriving, type Knob, ofKeys, toKnob, toSlide } from "./knob.ts";
 
@@ -40,9 +41,10 @@ export function watchInput(pad: HTMLElement, slide: HTMLElement, input: PadInput
     toPart: (right: number, below: number, reach: number) => Partial<Knob>,
     atRest: Partial<Knob>,
   ) => {
-    const toPlace = ({ clientX, clientY }: PointerEvent): Partial<Knob> => {
-      const { left, top, width, height } = surface.getBoundingClientRect();
-      return toPart(clientX - left - width / 2, clientY - top - height / 2, width / 2 - KNOB_RADIUS);
+    const toPlace = (event: PointerEvent): Partial<Knob> => {
+      const { x, y } = pointIn(surface, event);
+      const { offsetWidth: width, offsetHeight: height } = surface;
+      return toPart(x - width / 2, y - height / 2, width / 2 - KNOB_RADIUS);
     };
     const isOurs = ({ pointerId }: PointerEvent) => pointers.get(surface) === pointerId;
     const onDown = (event: PointerEvent) => {

@@ -48,7 +48,7 @@ export class DriveView {
     this.#buttons = new StopButtons(this.#root, this.#stop, signal);
     this.#build();
     mount(element, this.#root, signal);
-    followTheme(this.#root, signal);
+    followTheme(this.#root, model, signal);
     onChange(model, SETTINGS, this.#redraw, signal);
     onMessage(model, (answer: Answer) => this.#lease.onAnswer(answer), signal);
     watchInput(this.#pad, this.#slide, this, signal);

@@ -1,5 +1,5 @@
 import { watchSize } from "../shared/canvas.ts";
-import { make, makeButton, makeIcon, mount, PAUSE, PLAY, set, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, mount, PAUSE, PLAY, pointIn, set, setHidden, setText } from "../shared/dom.ts";
 import { isPlain, on } from "../shared/events.ts";
 import { MINUTE, toClock, toFixed, toMinutes } from "../shared/format.ts";
 import { keepKeys } from "../shared/keys.ts";
@@ -96,7 +96,7 @@ export class PlayerBar {
       draw();
     };
     watchSize(this.#marks, onSize, signal);
-    this.#theme = followTheme(this.#root, signal, draw);
+    this.#theme = followTheme(this.#root, model, signal, draw);
     draw();
   }
 
@@ -128,10 +128,9 @@ export class PlayerBar {
   }
 
   /** A finger does not hover, and dragging already seeks. */
-  #onPointer({ pointerType, buttons, clientX }: PointerEvent): void {
-    if (pointerType === "touch" || buttons) return;
-    const { left, width } = this.#slider.getBoundingClientRect();
-    const part = (clientX - left - HANDLE / 2) / (width - HANDLE);
+  #onPointer(event: PointerEvent): void {
+    if (event.pointerType === "touch" || event.buttons) return;
+    const part = (pointIn(this.#slider, event).x - HANDLE / 2) / (this.#slider.offsetWidth - HANDLE);
     const { begin, duration } = this.#playback;
     this.#playback.point(begin + part * (duration - begin));
   }

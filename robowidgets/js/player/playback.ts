@@ -289,12 +289,14 @@ export class Playback {
     this.#nextFrame();
   }
 
-  #onMessage({ seek, step, segment = 0, drop = [], abouts = [] }: Message, buffers: DataView[]): void {
+  #onMessage({ seek, step, segment, drop = [], abouts = [] }: Message, buffers: DataView[]): void {
     if (seek !== undefined) {
       // A late answer to a step that was taken meanwhile, or replaced by another one, leads nowhere.
       if (!step || step.join() === this.#wished?.join()) this.#goTo(seek, Boolean(step));
       return;
     }
+    // A message for another part of the page, such as the answer to a name.
+    if (segment === undefined) return;
     const tracks = buffers.map((buffer, i): Track => {
       return { frames: decodeFrames(toBytes(buffer) as DataView), abouts: abouts[i] ?? [] };
     });

@@ -1,7 +1,9 @@
 import type { Mark } from "../shared/marks.ts";
 import type { StateSpan } from "../shared/states/states.ts";
+import type { Look } from "../shared/traits.ts";
 
 export interface PlayerTraits {
+  theme: Look;
   /** Seconds from the start of the recording. */
   time: number;
   duration: number;

@@ -1,7 +1,7 @@
 import type { Point } from "../shared/box.ts";
 import { Canvas, type Context, circle, fill, line, stroke, write } from "../shared/canvas.ts";
 import { Card } from "../shared/card.ts";
-import { make, makeButton, makeIcon, PAUSE, PLAY, set, setHidden, setLabel, setText } from "../shared/dom.ts";
+import { make, makeButton, makeIcon, PAUSE, PLAY, set, setHidden, setLabel, setText, zoomOf } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toFixed, toMany } from "../shared/format.ts";
 import { describeMark, markBeside } from "../shared/marks.ts";
@@ -441,7 +441,8 @@ export class PlotView {
   /** Requests the data of the span on show that the page lacks. */
   #askFor(looking: Looking): void {
     const span = seen(looking);
-    const columns = Math.max(1, Math.round((this.#card.size.width - SCALE - this.#right) * devicePixelRatio));
+    const ratio = devicePixelRatio * zoomOf(this.#card.picture);
+    const columns = Math.max(1, Math.round((this.#card.size.width - SCALE - this.#right) * ratio));
     const isFine = !this.#data.lacks(span, columns);
     const wanted = follows(looking) ? [] : [...span, columns];
     const isAlone = lacksKernel(this.#model);

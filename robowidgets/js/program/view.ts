@@ -56,7 +56,7 @@ export class ProgramView {
     on(window, "keydown", ({ key }) => key === "Escape" && this.#variables.cancel(), signal, { capture: true });
     this.#build();
     mount(element, this.#root, signal);
-    followTheme(this.#root, signal);
+    followTheme(this.#root, model, signal);
     this.#draw();
   }
 

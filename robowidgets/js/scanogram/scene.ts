@@ -1,4 +1,5 @@
 import { Canvas, type Surface } from "../shared/canvas.ts";
+import { zoomOf } from "../shared/dom.ts";
 import {
   cutName,
   drawActive,
@@ -51,9 +52,14 @@ export class Scene {
     this.#top = new Canvas(parent);
   }
 
+  /** Pixels of the screen per pixel: fewer than a PNG has. */
+  get #ratio(): number {
+    return devicePixelRatio * zoomOf(this.#base.context.canvas);
+  }
+
   /** Columns of the picture on the screen. */
   get columns(): number {
-    return Math.round(this.layout.width * devicePixelRatio);
+    return Math.round(this.layout.width * this.#ratio);
   }
 
   measure(size: Surface, whole: Whole | null, states: StateSpan[][], span: Span, notice: number): void {
@@ -76,7 +82,7 @@ export class Scene {
     if (!whole || !blocks) context.fillRect(layout.left, layout.scans.top, layout.width, layout.scans.height);
     drawFrame(context, layout, theme);
     if (!whole || !blocks) return;
-    const height = Math.round(layout.scans.height * devicePixelRatio);
+    const height = Math.round(layout.scans.height * this.#ratio);
     const raster = toRaster(blocks.all, rows, axis.span, this.columns, height, state.pixel);
     this.colors = state.colors ?? whole.colors;
     const palette = this.#paletteFor(whole, this.colors, theme);

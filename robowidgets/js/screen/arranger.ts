@@ -546,7 +546,7 @@ export class Arranger {
     const strip = make("div", "rw-card-strip");
     strip.role = "toolbar";
     strip.ariaLabel = "cards in full screen";
-    followTheme(strip, this.#signal, () => this.#dress());
+    followTheme(strip, this.#view.model, this.#signal, () => this.#dress());
     keepKeys(strip, this.#signal);
     const onKey = (event: KeyboardEvent) => {
       const side = SIDES[event.key];

@@ -1,3 +1,4 @@
+import type { Look } from "../shared/traits.ts";
 import type { StoredPart } from "./tree.ts";
 
 /** The places of a screen; robowidgets/screens/layout.py chooses one for each widget. */
@@ -27,6 +28,7 @@ export interface Cards {
 export type Entry = string | string[];
 
 export interface ScreenTraits {
+  theme: Look;
   _children: Room[];
   /** Lines of plain text: above the bar of a recording, below the bar of a feed. */
   _notes: string[];

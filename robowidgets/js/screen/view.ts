@@ -2,6 +2,7 @@ import { make, setText } from "../shared/dom.ts";
 import { onAbort } from "../shared/events.ts";
 import { type Host, type Model, onChange } from "../shared/model.ts";
 import { enterBoxes } from "../shared/room.ts";
+import { followTheme } from "../shared/theme.ts";
 import { Arranger } from "./arranger.ts";
 import type { Place, Room, ScreenTraits } from "./traits.ts";
 import { fills, leastSize, type Part, partsOf, present, read, sharesOf, takesRest } from "./tree.ts";
@@ -43,6 +44,8 @@ export class ScreenView {
     this.#notes.role = "status";
     element.classList.add("rw-screen-cell");
     element.append(this.root);
+    // Before its widgets, which take its look.
+    followTheme(this.root, model, signal);
     onAbort(signal, () => {
       for (const { ended } of this.#held.values()) ended.abort();
       this.root.remove();

@@ -1,5 +1,5 @@
 import type { Point, Size } from "./box.ts";
-import { make } from "./dom.ts";
+import { make, zoomOf } from "./dom.ts";
 import { on, onAbort } from "./events.ts";
 import { isPrinting, onPrint } from "./print.ts";
 
@@ -101,9 +101,9 @@ function screenRatio(): number {
   return isPrinting() ? Math.max(PAPER_RATIO, devicePixelRatio) : devicePixelRatio;
 }
 
-/** The size of an element, at a pixel ratio or the screen's. */
-export function sizeOf({ clientWidth, clientHeight }: HTMLElement, ratio = screenRatio()): Surface {
-  return { width: clientWidth, height: clientHeight, ratio };
+/** The size of an element, at a pixel ratio of the page or the screen's. */
+export function sizeOf(element: HTMLElement, ratio = screenRatio()): Surface {
+  return { width: element.clientWidth, height: element.clientHeight, ratio: ratio * zoomOf(element) };
 }
 
 /** The callbacks for the size of an element. */

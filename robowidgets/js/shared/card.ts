@@ -67,7 +67,7 @@ export class Card {
     this.picture.append(this.#notice.element, this.#silence);
     this.root.append(this.header, this.picture, this.footer, this.#live);
     mount(element, this.root, signal);
-    this.#theme = followTheme(this.root, signal, this.redraw);
+    this.#theme = followTheme(this.root, model, signal, () => this.#onTheme());
     // Before the picture: it may be drawn for this width.
     this.#outer = new LaidOut(() => {}, signal).of(this.root);
     watchSize(
@@ -90,6 +90,12 @@ export class Card {
   /** Draws the picture at once, at a pixel ratio or the screen's. */
   drawNow(ratio?: number): void {
     this.#drawFor(sizeOf(this.picture, ratio));
+  }
+
+  /** A look may change the scale of the picture and nothing else of its size. */
+  #onTheme(): void {
+    if (this.size.width) this.size = sizeOf(this.picture);
+    this.redraw();
   }
 
   #drawFor(size: Surface): void {

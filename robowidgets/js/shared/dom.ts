@@ -82,16 +82,26 @@ export function mount(parent: HTMLElement, card: HTMLElement, signal: AbortSigna
   enter(parent, card, signal);
 }
 
+/** Pixels of the window per pixel of an element: more than 1 for a projector. Older browsers do not enlarge it. */
+export function zoomOf(element: HTMLElement): number {
+  return element.currentCSSZoom ?? 1;
+}
+
 /** The box of an element in the coordinates of an ancestor. */
 export function boxWithin(parent: HTMLElement, element: HTMLElement) {
-  const [outer, inner] = [parent.getBoundingClientRect(), element.getBoundingClientRect()];
-  return { x: inner.left - outer.left, y: inner.top - outer.top, width: inner.width, height: inner.height };
+  const [outer, inner, zoom] = [parent.getBoundingClientRect(), element.getBoundingClientRect(), zoomOf(parent)];
+  return {
+    x: (inner.left - outer.left) / zoom,
+    y: (inner.top - outer.top) / zoom,
+    width: inner.width / zoom,
+    height: inner.height / zoom,
+  };
 }
 
 /** The place of a pointer or a finger in the coordinates of an element. */
 export function pointIn(element: HTMLElement, { clientX, clientY }: Pick<MouseEvent, "clientX" | "clientY">): Point {
-  const { left, top } = element.getBoundingClientRect();
-  return { x: clientX - left, y: clientY - top };
+  const [{ left, top }, zoom] = [element.getBoundingClientRect(), zoomOf(element)];
+  return { x: (clientX - left) / zoom, y: (clientY - top) / zoom };
 }
 
 /** Pixels; a press that moves less is a click. */

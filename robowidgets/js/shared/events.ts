@@ -1,6 +1,6 @@
 type Events = HTMLElementEventMap &
   Pick<WindowEventMap, "afterprint" | "beforeprint" | "pagehide"> &
-  Pick<DocumentEventMap, "visibilitychange">;
+  Pick<DocumentEventMap, "visibilitychange"> & { "rw-look": Event };
 
 /** Calls back on events of a target, until the signal aborts. */
 export function on<K extends keyof Events>(

@@ -1,5 +1,6 @@
 import { on, onAbort } from "./events.ts";
 import { isPrinting, onPrint } from "./print.ts";
+import type { Look } from "./traits.ts";
 
 /** Variables `--rw-...` of the stylesheet, with values for light and dark. */
 const NAMES = [
@@ -17,17 +18,34 @@ const NAMES = [
   "mono",
 ] as const;
 
+/** The part of a model with the look that the user chose. */
+interface Themed {
+  get(name: "theme"): Look;
+  on(event: "change:theme", callback: () => void): void;
+  off(event: "change:theme", callback: () => void): void;
+}
+
 /** The colours and fonts of the picture. */
 export type Theme = Record<(typeof NAMES)[number] | "background" | "font", string> & { dark: boolean };
 
 const prefersDark = () => matchMedia("(prefers-color-scheme: dark)");
 export const forcesColors = () => matchMedia("(forced-colors: active)");
 
-function isDark(): boolean {
+/** The event of the document after which each look is read again, because a screen's may have changed. */
+const CHANGED = "rw-look";
+
+/** The look of an element: the look that the user chose for the screen around it, or else its own. */
+function lookOf(element: HTMLElement, own: Look): Look {
+  const outer = element.parentElement?.closest<HTMLElement>("[data-rw-look]")?.dataset.rwLook as Look | undefined;
+  return outer && outer !== "auto" ? outer : own;
+}
+
+function isDark(look: Look): boolean {
   // Paper is white.
   if (isPrinting()) return false;
   // The system's colours apply in any theme of the host, and this query shows if they are dark.
   if (forcesColors().matches) return prefersDark().matches;
+  if (look === "dark" || look === "light" || look === "paper") return look === "dark";
   const { body, documentElement: root } = document;
   const jupyter = body.dataset.jpThemeLight;
   if (jupyter) return jupyter === "false";
@@ -63,15 +81,23 @@ function toHex(element: HTMLElement, color: string): string {
 }
 
 /**
- * Sets light or dark on an element, and again when the host switches between them, or the system forces colours; then
- * calls back.
+ * Sets light or dark, and the look that the user chose, on an element; again when the host switches between light and
+ * dark, the system forces colours, or the user chooses another look. Then calls back.
  *
+ * @param model whose `theme` is the look of the element
  * @returns a function that gives colours and fonts while drawing: an element outside the page has no computed style
  */
-export function followTheme(element: HTMLElement, signal: AbortSignal, callback = () => {}): () => Theme {
+export function followTheme(
+  element: HTMLElement,
+  model: Themed,
+  signal: AbortSignal,
+  callback = () => {},
+): () => Theme {
   let theme: Theme | null = null;
   const follow = () => {
-    element.dataset.rwTheme = isDark() ? "dark" : "light";
+    const look = lookOf(element, model.get("theme"));
+    element.dataset.rwLook = look;
+    element.dataset.rwTheme = isDark(look) ? "dark" : "light";
     theme = null;
     callback();
   };
@@ -90,6 +116,10 @@ export function followTheme(element: HTMLElement, signal: AbortSignal, callback 
   onAbort(signal, () => observer.disconnect());
   onAbort(signal, onPrint("colours", follow));
   for (const query of [prefersDark(), forcesColors()]) on(query, "change", follow, signal);
+  const tell = () => void document.dispatchEvent(new Event(CHANGED));
+  model.on("change:theme", tell);
+  onAbort(signal, () => model.off("change:theme", tell));
+  on(document, CHANGED, follow, signal);
   follow();
   return () => {
     theme ??= readTheme(element);

@@ -1,5 +1,9 @@
+/** "auto": light or dark as the host. "projector": larger. "paper": black on white. A screen's comes first. */
+export type Look = "auto" | "light" | "dark" | "projector" | "paper";
+
 /** Traits of every widget with a header. */
 export interface NamedTraits {
+  theme: Look;
   title: string;
   header: boolean;
   /** The widget's stylesheet. */

@@ -1,6 +1,6 @@
 import { Card } from "../shared/card.ts";
 import { CopyCode, copyText } from "../shared/copy.ts";
-import { make, makeButton, setHidden, setText } from "../shared/dom.ts";
+import { make, makeButton, setHidden, setText, zoomOf } from "../shared/dom.ts";
 import { isPlain, on, onAbort } from "../shared/events.ts";
 import { toOrdinal, toShortMetres } from "../shared/format.ts";
 import { lacksKernel, type Model, NO_KERNEL, onChange, onMessage, setTraits } from "../shared/model.ts";
@@ -279,7 +279,8 @@ export class SheetView {
     setHidden(this.#heads, !this.#isTable);
     this.#heads.style.paddingRight = `${ROW / 2 + this.#scroll.offsetWidth - this.#scroll.clientWidth}px`;
     this.#place();
-    if (this.#card.size.ratio !== devicePixelRatio) this.#paintSome(Number.POSITIVE_INFINITY);
+    if (this.#card.size.ratio !== devicePixelRatio * zoomOf(this.#card.picture))
+      this.#paintSome(Number.POSITIVE_INFINITY);
     const all = this.#moments.length;
     setHidden(this.#empty, this.#order.length > 0);
     setText(this.#empty, all ? "none passes the filters" : done === null ? "never" : "nothing yet");

@@ -2,6 +2,7 @@ import { FOREVER, makeHost, type Script, toReference } from "../export/host.ts";
 import { momentOf, type Named, parseMoment, showMoment, toHash } from "../export/moment.ts";
 import { type PageFacts, toModels, toNamed } from "../export/page.ts";
 import { readPart } from "../export/parts.ts";
+import { explainWords } from "../later/glossary.ts";
 import { make } from "../shared/dom.ts";
 import { offerLinks } from "../shared/link.ts";
 
@@ -91,6 +92,7 @@ function followScheme(): void {
 }
 
 followScheme();
+explainWords(document);
 const seen = new IntersectionObserver(
   (entries) => {
     for (const { isIntersecting, target } of entries) {

@@ -34,7 +34,7 @@ export class StopView {
     row.append(this.#buttons.stop, texts, this.#buttons.allow, this.#freeze.button, this.#beside.button);
     this.#root.append(row, this.#beside.words, this.#notice);
     mount(element, this.#root, signal);
-    followTheme(this.#root, signal);
+    followTheme(this.#root, model, signal);
     this.#draw();
   }
 

@@ -1,3 +1,5 @@
+import type { Look } from "../shared/traits.ts";
+
 /** A topic in the list; unknown values are null. */
 export interface TopicRow {
   name: string;
@@ -12,6 +14,7 @@ export interface TopicRow {
 }
 
 export interface TopicsTraits {
+  theme: Look;
   /** True if it is folded away; null to decide by the room. The view writes it. */
   folded: boolean | null;
   /** True if the wires of all topics are on show below. */

@@ -129,7 +129,7 @@ export class TopicsView {
     this.#root.ariaLabel = "topics";
     this.#live.ariaLive = "polite";
     mount(element, this.#root, signal);
-    followTheme(this.#root, signal);
+    followTheme(this.#root, model, signal);
     keepKeys(this.#root, signal);
     onChange(model, ["_rows", "_shown", "folded", "wires", "_fixed", "_error"], this.#redraw, signal);
     onMessage(model, (message: Message) => this.#onMessage(message), signal);

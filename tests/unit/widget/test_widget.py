@@ -17,7 +17,7 @@ import traitlets
 from IPython.core.formatters import DisplayFormatter
 from ipywidgets.embed import dependency_state
 
-from robowidgets import LaserWidget
+from robowidgets import LaserWidget, set_theme
 from robowidgets.runtime.log_once import MOST_LOGGED
 from robowidgets.widget import base_widget, front_end, paced_widget
 from robowidgets.widget.front_end import bundle
@@ -31,13 +31,36 @@ from ..waiting import Clock, wait_for
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
 
 
+class TestTheme:
+    """The theme of one widget, and of all later ones."""
+
+    def test_widgets_made_after_set_theme_have_it_and_earlier_ones_keep_theirs(self) -> None:
+        before = NumberWidget()
+        set_theme("projector")
+        try:
+            assert NumberWidget().get_state()["theme"] == "projector"
+            assert NumberWidget(theme="paper").theme == "paper"
+        finally:
+            set_theme("auto")
+        assert before.theme == NumberWidget().theme == "auto"
+
+    def test_an_unknown_theme_is_refused_with_the_known_ones(self) -> None:
+        known = "auto, light, dark, projector, paper"
+        with pytest.raises(ValueError, match=rf"expected one of {known}, got 'projektor'; did you mean 'projector'"):
+            set_theme("projektor")
+        with pytest.raises(ValueError, match=rf"expected one of {known}, got 3$"):
+            set_theme(3)  # type: ignore[arg-type]
+        with pytest.raises(traitlets.TraitError, match=r"expected any of .*'projector'"):
+            NumberWidget(theme="projektor")
+
+
 class TestNames:
     def test_an_unknown_keyword_is_refused_by_name_with_those_there_are(self) -> None:
         with pytest.raises(TypeError) as refusal:
             NumberWidget(colour="blue")
         assert str(refusal.value) == (
             "NumberWidget() has no keyword 'colour'; did you mean 'color'? "
-            "It takes: color, footer, header, history, layout, paused, tabbable, title, tooltip"
+            "It takes: color, footer, header, history, layout, paused, tabbable, theme, title, tooltip"
         )
 
     def test_what_has_no_name_is_refused_with_a_way_to_name_it(self) -> None:
@@ -59,7 +82,7 @@ class TestNames:
             widget.pausd = True
         assert str(refusal.value) == (
             "NumberWidget has no trait 'pausd'; did you mean 'paused'? "
-            "It takes: color, footer, header, history, layout, paused, tabbable, title, tooltip"
+            "It takes: color, footer, header, history, layout, paused, tabbable, theme, title, tooltip"
         )
 
     def test_a_comparison_of_numpy_is_a_flag(self) -> None:
@@ -399,7 +422,7 @@ class TestBundle:
     def test_what_the_host_runs_for_each_instance_is_small(self) -> None:
         state = LaserWidget().get_state()
         assert state["_script"] == LaserWidget._esm
-        assert len(state["_esm"]) + len(state["_css"]) < 2000
+        assert len(state["_esm"]) + len(state["_css"]) < 3000
 
     def test_the_class_with_the_front_end_is_made_once(self) -> None:
         one, other = NumberWidget(), NumberWidget()
