@@ -247,7 +247,7 @@ def _rewritten(function: Callable[..., Any], code: CodeType, lines: Sequence[str
 
 
 def function_in(function: Any) -> FunctionType:
-    """Return the Python function in a callable. Raise NotRewrittenError if there is none."""
+    """Return the Python function in a callable. Raise NotRewrittenError if it has none."""
     if isinstance(function, functools.partial):
         return function_in(function.func)
     if isinstance(function, MethodType):

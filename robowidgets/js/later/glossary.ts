@@ -30,7 +30,7 @@ const GLOSSARY: readonly [RegExp, string][] = [
   [/\bangle_increment\b/, "angle_increment is the angle from one ray to the next, in radians."],
 ];
 
-/** Letters of the longest text that is looked up as a whole: longer ones are no names and numbers. */
+/** Letters of the longest text that is looked up as a whole: longer ones are not names or numbers. */
 const LONGEST = 200;
 
 /** Sentences on the words of a text, in the order of the glossary. */
