@@ -157,7 +157,7 @@ class Player(ScreenWidget):
             self.topic_list = TopicsWidget(self._on_toggle, self._values_of)
             self.topic_list.set_rows(_rows(recording))
             self.topic_list.observe(self._on_wires, "wires")
-        super().__init__("recording", self.arranged(self.scanogram), arrangement)
+        super().__init__("recording", self._everything(), arrangement)
         self._list_shown()
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
@@ -531,9 +531,13 @@ class Player(ScreenWidget):
 
     def _arrange(self) -> None:
         """Put all shown widgets into their places."""
-        foot = [widget for widget in (self.lines, self.wires) if widget is not None]
-        self.place({**self.arranged(self.scanogram), "foot": foot})
+        self.place(self._everything())
         self._list_shown()
+
+    def _everything(self) -> ScreenPlaces:
+        """Return the places of all widgets, also of those that need Python and are not in a page in a file."""
+        foot = [widget for widget in (self.lines, self.wires) if widget is not None]
+        return {**self.arranged(self.scanogram), "foot": foot}
 
     def _list_shown(self) -> None:
         """Mark the shown topics in the list, and give them to the page for the code of an arrangement."""
