@@ -730,8 +730,8 @@ class TestProgram:
             DriveWidget(sned=print)
         assert str(refusal.value) == (
             "DriveWidget() has no keyword 'sned'; did you mean 'send'? "
-            "It takes: angular_limit, enabled, header, lateral_limit, layout, linear_limit, send, tabbable, title, "
-            "tooltip"
+            "It takes: angular_limit, enabled, header, lateral_limit, layout, linear_limit, send, tabbable, theme, "
+            "title, tooltip"
         )
 
     @pytest.mark.parametrize("wrong", [{"send": 3}, {"sned": print}, {"linear_limit": -1}])
