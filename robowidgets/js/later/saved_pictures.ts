@@ -110,7 +110,7 @@ export class SavedPictures {
     if (!state.startsWith("completed") || !this.#atSave) return;
     const written = this.#atSave;
     this.#atSave = null;
-    if (!(await written)) return;
+    if (!(await written) || this.#context.isDisposed) return;
     this.#savesAgain = true;
     await this.#context.save().finally(() => {
       this.#savesAgain = false;
@@ -120,7 +120,8 @@ export class SavedPictures {
   /** Writes the pictures that have changed, one call after the other; returns true if there were any. */
   #write(): Promise<boolean> {
     clearTimeout(this.#timer);
-    this.#atWork = this.#atWork.then(() => this.#writeAll());
+    const write = () => this.#writeAll();
+    this.#atWork = this.#atWork.then(write, write); // an error of one call is on the console and ends no later one
     return this.#atWork;
   }
 
@@ -148,7 +149,9 @@ export class SavedPictures {
     const cards = cardsIn(view);
     if (!cards.length) return false;
     const words = cards.map((card) => wordsOf(card).replace(/\s+/g, " ").trim().slice(0, MAX_WORDS)).join("\n");
-    const { type, base64, width, height } = await pictureOf(cards, (card) => this.#styleWithin(card));
+    const picture = await pictureOf(cards, (card) => this.#styleWithin(card));
+    if (!picture) return false;
+    const { type, base64, width, height } = picture;
     const data = output.get("data") ?? {};
     if (data[type] === base64 && data["text/plain"] === words) return false;
     const { "image/png": _png, "image/jpeg": _jpeg, ...rest } = data;
@@ -179,7 +182,11 @@ export class SavedPictures {
 /** The cards of a view that are on show and in no other card, without those that only drive or choose. */
 function cardsIn(view: HTMLElement): HTMLElement[] {
   return [...view.querySelectorAll<HTMLElement>(".rw-card")].filter(
-    (card) => card.offsetWidth > 0 && !card.closest(LEFT_OUT) && !card.parentElement?.closest(".rw-card"),
+    (card) =>
+      card.offsetWidth > 0 &&
+      card.offsetHeight > 0 &&
+      !card.closest(LEFT_OUT) &&
+      !card.parentElement?.closest(".rw-card"),
   );
 }
 
@@ -204,13 +211,17 @@ function boxesOf(cards: HTMLElement[]): DOMRect[] {
   return boxes;
 }
 
-/** Cards in one picture, at their places, in at most `MAX_BYTES`, or twice as many for several cards. */
-async function pictureOf(cards: HTMLElement[], styleOf: (card: HTMLElement) => string): Promise<Picture> {
+/**
+ * Cards in one picture, at their places, in at most `MAX_BYTES`, or twice as many for several cards; null if all of
+ * them were hidden or removed meanwhile.
+ */
+async function pictureOf(cards: HTMLElement[], styleOf: (card: HTMLElement) => string): Promise<Picture | null> {
   const boxes = boxesOf(cards);
   const left = Math.min(...boxes.map((box) => box.left));
   const top = Math.min(...boxes.map((box) => box.top));
   const width = Math.round(Math.max(...boxes.map((box) => box.right)) - left);
   const height = Math.round(Math.max(...boxes.map((box) => box.bottom)) - top);
+  if (!width || !height) return null;
   const maxBytes = cards.length > 1 ? 2 * MAX_BYTES : MAX_BYTES;
   const best = width * height > LARGE ? 1 : 2;
   const paper = canvasOf(width * best, height * best);
@@ -220,7 +231,8 @@ async function pictureOf(cards: HTMLElement[], styleOf: (card: HTMLElement) => s
   for (const [i, card] of cards.entries()) {
     const painted = await paint(card, styleOf(card), best);
     const box = boxes[i] as DOMRect;
-    pen?.drawImage(painted, (box.left - left) * best, (box.top - top) * best);
+    // The user may have hidden or removed it meanwhile.
+    if (painted.width && painted.height) pen?.drawImage(painted, (box.left - left) * best, (box.top - top) * best);
     await untilIdle();
   }
   for (const [type, scale] of TRIES) {
