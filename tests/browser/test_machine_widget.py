@@ -275,6 +275,7 @@ def test_a_card_keeps_its_height_while_one_edits_and_shows_the_whole_machine(
 
     expect(state(widget, "forward")).to_have_attribute("data-active", "leaf")
     expect(widget.locator(".rw-fired-row")).to_have_count(0)
+    nb.drawn()
     first = height()
     nb.python("robot.variables.go = True")
     expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
