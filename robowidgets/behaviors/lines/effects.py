@@ -128,6 +128,8 @@ class _Reading:
         name = getattr(value, "__name__", None) if callable(value) else None
         if isinstance(name, str) and getattr(builtins, name, None) is value:
             return name in _PURE_BUILTINS
+        if isinstance(value, np.ufunc):  # before NumPy 2 it has no module, and a function of the user may be in one
+            return getattr(np, value.__name__, None) is value
         if isinstance(name, str) and _is_pure(getattr(value, "__module__", None) or ""):
             return name not in _IMPURE
         # A list of numbers may be read, but not be given a second name, by which it could be changed.
