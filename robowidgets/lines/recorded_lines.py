@@ -263,7 +263,7 @@ def _unrun(program: RecordedProgram) -> dict[str, Any]:
 
 
 def _unread(version: ProgramVersion, why: str) -> dict[str, Any]:
-    """Return the text of a version of which no function can be made, for the page."""
+    """Return the text of a version, which makes no function, for the page."""
     texts = version.text.rstrip("\n").split("\n")
     return _without_values(version.name, 1, texts, why)
 

@@ -535,7 +535,7 @@ class Player(ScreenWidget):
         self._list_shown()
 
     def _everything(self) -> ScreenPlaces:
-        """Return the places of all widgets, also of those that need Python and are not in a page in a file."""
+        """Return the places of all widgets. A page in a file lacks some, which need Python."""
         foot = [widget for widget in (self.lines, self.wires) if widget is not None]
         return {**self.arranged(self.scanogram), "foot": foot}
 
