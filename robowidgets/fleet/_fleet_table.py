@@ -11,9 +11,8 @@ from datetime import datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from ..recordings.columns.tables import RowType, frame_of, library
+from ..recordings.columns.tables import RowType, frame_of, library, write_parquet
 from ..recordings.times import has_date
-from ..runtime.output_file import checked_output, whole_file
 from ..runtime.tables import Table
 from ..runtime.text import listed, many
 
@@ -94,12 +93,7 @@ class FleetTable(ABC):
             ImportError: pyarrow is not installed. ValueError: the name does not end in ``.parquet``. OSError: it cannot
                 be written.
         """
-        parquet = library("pyarrow.parquet", "to_parquet")
-        target = checked_output("to_parquet", path, (".parquet",))
-        table = self._arrow("to_parquet")
-        with whole_file(target) as file:
-            parquet.write_table(table, file)
-        return target
+        return write_parquet(path, lambda: self._arrow("to_parquet"))
 
     def to_json(self) -> str:
         """Return JSON, a line for each row, without empty values."""

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from ..kinds import topic_and_field
 from ..repair import RecordingError
-from ..runtime.output_file import checked_output, whole_file
 from ..runtime.text import many, megabytes
 from ..samples.checks import number
 from ..samples.sector import ALL_ROUND, SECTORS, SectorLike
 from .columns._fields import Fields
 from .columns.scans import Scans
-from .columns.tables import Columns, library
+from .columns.tables import Columns, write_parquet
 from .topics import Topic
 
 WAYS = ("last", "linear")
@@ -109,12 +108,7 @@ class FieldTable(Columns):
             ImportError: pyarrow is not installed. ValueError: the name does not end in ``.parquet``. OSError: it cannot
                 be written.
         """
-        parquet = library("pyarrow.parquet", "to_parquet")
-        target = checked_output("to_parquet", path, (".parquet",))
-        table = self.to_arrow()
-        with whole_file(target) as file:
-            parquet.write_table(table, file)
-        return target
+        return write_parquet(path, self.to_arrow)
 
     def __repr__(self) -> str:
         seconds = self.seconds

@@ -157,7 +157,7 @@ class Player(ScreenWidget):
             self.topic_list = TopicsWidget(self._on_toggle, self._values_of)
             self.topic_list.set_rows(_rows(recording))
             self.topic_list.observe(self._on_wires, "wires")
-        super().__init__("recording", self._everything(), arrangement)
+        super().__init__("recording", self._everything, arrangement)
         self._list_shown()
         for name in ("time", "playing", "speed", "loop", "selection", "marks"):
             setattr(self, name, getattr(self.bar, name))
@@ -531,11 +531,12 @@ class Player(ScreenWidget):
 
     def _arrange(self) -> None:
         """Put all shown widgets into their places."""
-        self.place(self._everything())
+        self.place(self._everything)
         self._list_shown()
 
+    @property
     def _everything(self) -> ScreenPlaces:
-        """Return the places of all widgets. A page in a file lacks some, which need Python."""
+        """The places of all widgets. A page in a file lacks some, which need Python."""
         foot = [widget for widget in (self.lines, self.wires) if widget is not None]
         return {**self.arranged(self.scanogram), "foot": foot}
 

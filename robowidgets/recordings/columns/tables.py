@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from itertools import chain
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ...runtime.output_file import checked_output, whole_file
 
 TIMES = ("times_ns", "seconds", "stamps_ns")
 
@@ -112,6 +116,21 @@ def to_polars(columns: Mapping[str, Column]) -> Any:
         return values
 
     return polars.DataFrame([series(name, column) for name, column in _filled(columns).items()])
+
+
+def write_parquet(path: str | os.PathLike[str], make: Callable[[], Any]) -> Path:
+    """Write a pyarrow Table as a Parquet file, and return its path; see ``to_parquet`` of the tables.
+
+    Args:
+        path: the file; an existing one is replaced when the new one is complete.
+        make: returns the table. It is not called if pyarrow is missing or the path does not fit.
+    """
+    parquet = library("pyarrow.parquet", "to_parquet")
+    target = checked_output("to_parquet", path, (".parquet",))
+    table = make()
+    with whole_file(target) as file:
+        parquet.write_table(table, file)
+    return target
 
 
 def to_arrow(columns: Mapping[str, Column]) -> Any:
