@@ -76,6 +76,8 @@ class KeptSteps:
                 state = copied_state(values["state"])
             except _NotCopiedError as error:
                 why = str(error)
+            except RuntimeError:  # also RecursionError; no error may end the step that is about to be made
+                why = "state refers to itself, or was changed while it was copied"
         if type(values.get("variables")) is Variables:
             variables = values["variables"].table
         if type(function) is Machine:
@@ -141,6 +143,8 @@ def _bytes_of(value: Any, depth: int = 0) -> int:
     if isinstance(value, (bytes, bytearray, memoryview, str)):
         return len(value)
     if isinstance(value, (list, tuple)):
+        if depth > 3:
+            return 8 * len(value)
         return 8 * len(value) + sum(_bytes_of(one, depth + 1) for one in value[:10]) * max(1, len(value) // 10)
     if depth > 3:
         return 0

@@ -94,6 +94,10 @@ def test_a_state_that_cannot_be_copied_gives_the_reason(kept: Kept) -> None:
     assert (steps, why) == ([], "state.own is an Own, which cannot be copied at each step")
     kept.add(state=ProgramState(own=[0] * 1000))
     assert "too large" in kept.all()[-1].why
+    ring: list[Any] = []
+    ring.append(ring)
+    kept.add(state=ProgramState(own=ring), message=ring)
+    assert kept.all()[-1].why, "no error, which would end the step that is about to be made"
     kept.add(state=ProgramState(own=1))
     assert len(steps_to_try(kept.all(), ("state",), 100)[0]) == 1
     assert steps_to_try(kept.all(), ("scan",), 100)[1] == "the version before did not read scan"
