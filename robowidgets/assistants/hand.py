@@ -103,6 +103,9 @@ class Hand:
         except FeedError as error:
             raise FeedError(f"{error}; nothing was sent") from None
         self._held = wanted, lease
+        if self._is_closed:  # while the command waited for the robot
+            self.close()
+            raise AnswerError("the server is closed; zero is sent")
         self._programs.report(f"an assistant drives: {_text(wanted)}, for {duration:g} s")
         if self._renewer is None:
             self._renewer = Threads(self._clock).start(self._renew, "robowidgets-assistant")

@@ -29,19 +29,18 @@ FIRST_MESSAGE_TIMEOUT_S = 3.0
 class _Newest:
     """The newest message of a topic, and when it came."""
 
-    def __init__(self, now: Callable[[], float]) -> None:
-        self._now, self._meter = now, RateMeter()
+    def __init__(self, now: Callable[[], float], on_message: Callable[[], None]) -> None:
+        self._now, self._on_message, self._meter = now, on_message, RateMeter()
         self.count = 0
         self.kept: tuple[Any, float, float] | None = None
         """The message, its time of arrival, and the rate, or NaN."""
-        self.on_message: Callable[[], None] = lambda: None
 
     def take(self, message: Any) -> None:
         """Keep a message. The thread of the transport calls it."""
         now = self._now()
         self.count += 1
         self.kept = message, now, self._meter.rate(self.count, now)
-        self.on_message()
+        self._on_message()
 
 
 class LiveTools:
@@ -141,25 +140,25 @@ class LiveTools:
     def _follow(self, topic: str) -> _Newest:
         """Receive a topic from now on."""
         self._connection.check_open(topic)
-        there = self._followed.pop(topic, None)
-        if there is not None:
-            self._followed[topic] = there
-            return there[0]
+        with self._lock:
+            there = self._followed.pop(topic, None)
+            if there is not None:
+                self._followed[topic] = there
+                return there[0]
         self._connection.await_topics([topic])
         names = [one.name for one in self._feed.topics]
         if self._connection.is_listed and topic not in names:
             near = ", ".join(filter(is_name, get_close_matches(topic, names) or names[:8])) or "none"
             raise AnswerError(f"topic: the robot has no topic {topic[:120]!r} now; there are {near}")
-        newest = _Newest(self._clock.now)
-        newest.on_message = self._notify
+        newest = _Newest(self._clock.now, self._notify)
         mine = newest, self._connection.attach(topic, newest.take)
-        kept = self._followed.setdefault(topic, mine)
+        with self._lock:
+            kept = self._followed.setdefault(topic, mine)
+            dropped = {oldest: self._followed.pop(oldest) for oldest in list(self._followed)[:-MAX_FOLLOWED]}
         if kept is not mine:  # another question was faster
             self._connection.detach(topic, mine[1])
-        for oldest in list(self._followed)[:-MAX_FOLLOWED]:
-            dropped = self._followed.pop(oldest, None)
-            if dropped is not None:
-                self._connection.detach(oldest, dropped[1])
+        for oldest, (_, target) in dropped.items():
+            self._connection.detach(oldest, target)
         return kept[0]
 
     def _notify(self) -> None:

@@ -8,7 +8,6 @@ from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
 from typing import Annotated, Any, Literal
 
 from anyio import CapacityLimiter, to_thread
@@ -17,6 +16,7 @@ from mcp.server.mcpserver.exceptions import ToolError
 from mcp_types import CallToolResult, ContentBlock, ImageContent, InputRequiredResult, TextContent, ToolAnnotations
 from pydantic import Field
 
+from .. import __version__
 from ..feeds import Feed, FeedError
 from ..repair import RecordingError
 from . import code as in_process
@@ -83,7 +83,7 @@ class AssistantServer(MCPServer[Any]):
     def __init__(self, library: Library, feed: Feed | None, drive: DriveLimits | None, *, code: bool) -> None:
         text = INSTRUCTIONS + (DRIVING if drive is not None else "")
         with _unchanged_logging():
-            super().__init__("robowidgets", instructions=text, version=_version(), log_level="WARNING")
+            super().__init__("robowidgets", instructions=text, version=__version__, log_level="WARNING")
         self._arguments: dict[str, list[str]] = {}
         self.library = library
         self.live = None if feed is None else LiveTools(feed)
@@ -289,7 +289,7 @@ class AssistantServer(MCPServer[Any]):
 
     def _add_driving(self, hand: Hand) -> None:
         """Add the tools that drive. Their threads are their own, so that no question delays a stop."""
-        drives, stops = _asker(1), _asker(4)
+        drives, stops = _asker(1, abandons=False), _asker(4)
         limits = hand.limits
 
         async def robot_drive(
@@ -315,16 +315,17 @@ class AssistantServer(MCPServer[Any]):
         self._add(robot_status, "Who drives, seconds left, limits, Stop, and why your last command ended.")
 
 
-def _asker(threads: int) -> Callable[[Callable[[], ToolAnswer]], Awaitable[CallToolResult]]:
+def _asker(threads: int, *, abandons: bool = True) -> Callable[[Callable[[], ToolAnswer]], Awaitable[CallToolResult]]:
     """Return a function that asks one question in one of so many threads.
 
-    If the client cancels a question, its thread ends by itself and its answer is dropped.
+    If the client cancels a question, its answer is dropped, and its thread ends by itself. With ``abandons=False`` the
+    next question waits for it.
     """
     limiter = CapacityLimiter(threads)
 
     async def ask(question: Callable[[], ToolAnswer]) -> CallToolResult:
         try:
-            return _result(await to_thread.run_sync(question, abandon_on_cancel=True, limiter=limiter))
+            return _result(await to_thread.run_sync(question, abandon_on_cancel=abandons, limiter=limiter))
         except KNOWN_ERRORS as error:
             raise _for_client(error) from error
 
@@ -344,13 +345,6 @@ def _result(answer: ToolAnswer) -> CallToolResult:
         data = base64.b64encode(made.png).decode()
         content.append(ImageContent(type="image", data=data, mime_type="image/png"))
     return CallToolResult(content=content, structured_content=made.data)
-
-
-def _version() -> str:
-    try:
-        return version("robowidgets")
-    except PackageNotFoundError:  # it runs from its sources
-        return ""
 
 
 @contextmanager

@@ -58,7 +58,7 @@ class Recorder:
         """By topic, the number of messages that did not arrive here."""
         # A simulated robot and a recording lose no messages in transit.
         self._gaps: dict[str, Gaps] | None = {} if isinstance(connection.middleware, HasOutlet) else None
-        self._reported = max((number for number, _ in connection.programs.reports), default=-1)
+        self._reported = max((number for number, _ in [*connection.programs.reports]), default=-1)
         """The number of the last report that was recorded, or that came before."""
         self._version: Version | None = None
         self._states: dict[str, str] = {}

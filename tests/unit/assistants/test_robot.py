@@ -14,7 +14,6 @@ from robowidgets.assistants.answer import AnswerError
 from robowidgets.assistants.hand import DriveLimits, Hand
 from robowidgets.assistants.library import Library
 from robowidgets.behaviors import Drive
-from robowidgets.driving import command_watchdog
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 
@@ -80,18 +79,30 @@ def test_another_command_goes_on_without_a_zero_between(held: Held, clock: Manua
 
 
 def test_speeds_are_cut_to_the_smaller_limits_and_the_answer_says_what_was_not_sent(
-    held: Held, monkeypatch: pytest.MonkeyPatch
+    held: Held, clock: ManualClock
 ) -> None:
-    # The second of two zeros would wait for time, which only the test moves.
-    monkeypatch.setattr(command_watchdog, "INTERVAL", 0.0)
     feed, script, hand = held
     answer = hand.drive(9.0, -9.0, 1.0)
     assert script.speeds == [(0.2, -0.5)]
     assert answer.data["not_sent"] == ["9 m/s was cut to 0.2", "-9 rad/s was cut to -0.5"]
     assert "9 m/s was cut to 0.2." in answer.text
-    hand.stop()
+    # It sends two zeros, and the second one may have to wait.
+    stopping = clock.beside(hand.stop)
+    wait_for(lambda: clock.advance(0.1) or not stopping.is_alive(), "it is stopped")
     feed.driving = Driving(max_linear=0.05)
     assert hand.drive(9.0, 0.0, 1.0).data["sent"]["linear_m_s"] == 0.05
+
+
+def test_a_command_that_waits_for_the_robot_while_its_server_closes_drives_no_more(
+    held: Held, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, script, hand = held
+    drive = feed.driver.drive_by_assistant
+    monkeypatch.setattr(feed.driver, "drive_by_assistant", lambda *given: hand.close() or drive(*given))
+    with pytest.raises(AnswerError, match="the server is closed; zero is sent"):
+        hand.drive(0.1, 0.0, 5.0)
+    wait_for(lambda: script.speeds[-1:] == [(0.0, 0.0)], "zero is sent")
+    assert feed.watchdog.driver == ""
 
 
 @pytest.mark.parametrize(
