@@ -3,7 +3,11 @@ import { test } from "node:test";
 import { changedLines, type Editor, replaceIn } from "../../robowidgets/js/lines/cell.ts";
 import { wordsOf } from "../../robowidgets/js/lines/change.ts";
 import { summaryOf } from "../../robowidgets/js/lines/compared.ts";
-import { partsOf, rangeOf, textIn } from "../../robowidgets/js/lines/numbers.ts";
+import { partsOf, rangeOf, textIn, toNumber } from "../../robowidgets/js/lines/numbers.ts";
+
+test("a number in a source may have a space after its sign and underscores", () => {
+  assert.deepEqual(["- 2", "1_000", "0.25"].map(toNumber), [-2, 1000, 0.25]);
+});
 
 test("a slider goes from zero to twice the number, in round steps that Python takes", () => {
   const taken = /^-?\d{1,10}(\.\d{1,12})?$/;

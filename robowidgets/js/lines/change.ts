@@ -5,7 +5,7 @@ import { type Model, newName, onChange } from "../shared/model.ts";
 import { throttle } from "../shared/schedule.ts";
 import type { Theme } from "../shared/theme.ts";
 import { drawEffect } from "./effect.ts";
-import { type Range, rangeOf, textIn } from "./numbers.ts";
+import { type Range, rangeOf, textIn, toNumber } from "./numbers.ts";
 import type { ChangedNumber, LinesTraits } from "./traits.ts";
 
 /** Milliseconds between two numbers that are tried while one is dragged. */
@@ -145,7 +145,7 @@ export class NumberChange {
   /** Tries the number that a drag of so many pixels from a start means; 240 px are the whole slider. */
   drag(from: string, pixels: number): void {
     const { low, high } = this.#range;
-    this.change(Number(from) + (pixels * (high - low)) / 240);
+    this.change(toNumber(from) + (pixels * (high - low)) / 240);
   }
 
   /** Handles a key on the number or the slider; returns false for other keys. */
@@ -154,7 +154,7 @@ export class NumberChange {
     else if (key === "Enter") this.put();
     else if (KEYS[key] && isArrow(key)) {
       if (this.#isOver) this.#begin();
-      this.change(Number(this.#text) + (KEYS[key] ?? 0) * this.#range.step);
+      this.change(toNumber(this.#text) + (KEYS[key] ?? 0) * this.#range.step);
     } else return false;
     return true;
   }
@@ -238,7 +238,7 @@ export class NumberChange {
     const before = isDriving || answer?.state === "back" ? (answer.back ?? place.text) : place.text;
     setText(this.#before, before === this.#text ? "" : `${before} \u2192`);
     setText(this.#value, this.#text);
-    set(this.slider, "value", String(Number(this.#text)));
+    set(this.slider, "value", String(toNumber(this.#text)));
     set(this.slider, "ariaValueText", this.#text);
     setHidden(this.#put, this.#isOver);
     this.#put.disabled = this.#text === place.text;

@@ -13,9 +13,12 @@ const MOST_DIGITS = 12;
 /** The least number of steps of a slider. */
 const STEPS = 40;
 
+/** Returns the value of a number in a source: "- 2" and "1_000", too. */
+export const toNumber = (text: string) => Number(text.replace(/[\s_]/g, ""));
+
 /** Returns the range of a slider for a number in a source: from zero to twice the number, in 40 to 400 steps. */
 export function rangeOf(text: string): Range {
-  const value = Number(text.replace(/[\s_]/g, ""));
+  const value = toNumber(text);
   const isWhole = !/[.eE]/.test(text);
   const high = isWhole ? Math.max(2 * Math.abs(value), 10) : 2 * (Math.abs(value) || 0.5);
   const power = Math.floor(Math.log10(high / STEPS) + 1e-9);

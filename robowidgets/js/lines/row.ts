@@ -1,5 +1,5 @@
 import { make, set, setHidden, setText, setTip } from "../shared/dom.ts";
-import { partsOf } from "./numbers.ts";
+import { partsOf, toNumber } from "./numbers.ts";
 import type { Line } from "./steps.ts";
 import type { NumberCode } from "./traits.ts";
 
@@ -49,7 +49,7 @@ export class Row {
     element.role = "spinbutton";
     element.tabIndex = -1;
     element.ariaLabel = `number in line ${shown}`;
-    element.ariaValueNow = String(Number(text.replace(/[\s_]/g, "")));
+    element.ariaValueNow = String(toNumber(text));
     element.ariaValueText = text;
     this.literals.push({ element, number });
   }
@@ -61,7 +61,7 @@ export class Row {
     const shown = text ?? number[2];
     setText(element, shown);
     set(element, "ariaValueText", shown);
-    set(element, "ariaValueNow", String(Number(shown.replace(/[\s_]/g, ""))));
+    set(element, "ariaValueNow", String(toNumber(shown)));
     set(element.dataset, "changed", String(text !== null && text !== number[2]));
   }
 

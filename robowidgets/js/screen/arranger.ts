@@ -539,7 +539,9 @@ export class Arranger {
     this.#full = "";
     this.#view.layOut();
     if (item) this.#gripOf(item)?.focus({ preventScroll: true });
-    if (document.fullscreenElement) document.exitFullscreen();
+    const page = this.#view.root.getRootNode() as Document | ShadowRoot;
+    // Rejected if the user has left it meanwhile.
+    if (page.fullscreenElement === this.#view.root) document.exitFullscreen().catch(() => {});
   }
 
   #makeStrip(): HTMLElement {

@@ -159,7 +159,7 @@ function rowsOf(parts: Part[], most = MOST_IN_ROW): Part[] {
 export function inserted(tree: Part, added: Part, { target, side }: Zone): Part {
   const way: Way = isAcross(side) ? "row" : "column";
   const put = (part: Part): Part => {
-    const { width: _width, height: _height, ...plain } = part;
+    const plain = bare(part, {});
     return split(way, isBefore(side) ? [added, plain] : [plain, added], part);
   };
   const within = (part: Part): Part => {
@@ -241,7 +241,7 @@ export function stepped(tree: Part, name: string, side: Side): Part {
     return moved(tree, name, { target: first ?? null, side: way === "row" ? "above" : "left" });
   }
   const edge = moved(tree, name, { target: null, side });
-  return JSON.stringify(edge) === JSON.stringify(tree) ? tree : edge;
+  return isSame(edge, tree) ? tree : edge;
 }
 
 const ORDINALS = ["first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth"];
@@ -300,9 +300,7 @@ export function leastSize(part: Part, kindOf: KindOf): [number, number] {
 /** Returns true if a part takes the rest of a column. */
 export function takesRest(part: Part, kindOf: KindOf): boolean {
   if (part.height) return false;
-  return part.card === undefined
-    ? partsOf(part).some((one) => takesRest({ ...one }, kindOf))
-    : fills(kindOf(part.card));
+  return part.card === undefined ? partsOf(part).some((one) => takesRest(one, kindOf)) : fills(kindOf(part.card));
 }
 
 const toSteps = (height: number) => Math.max(STEP, Math.round(height / STEP) * STEP);
