@@ -90,6 +90,17 @@ class ComparedSteps:
                 self.spans.append(TriedSpan(number, number, *where, old.text, new.text))
         self._is_open = differs
 
+    def packed(self, steps: Sequence[KeptStep]) -> dict[str, Any]:
+        """Return the counts for the page, and the seconds of the compared steps, which were the first of these."""
+        seconds = steps[self.steps - 1].at - steps[0].at if self.steps else 0.0
+        return {
+            "steps": self.steps,
+            "seconds": round(seconds, 1),
+            "otherwise": self.otherwise,
+            "failed": self.failed,
+            "error": self.error,
+        }
+
 
 def why_not_tried(function: Function) -> str:
     """Return the reason why a version must not be called only to try it, or an empty text.

@@ -89,6 +89,10 @@ class Chunks(NamedTuple):
             wanted &= self.starts < stop_ns
         return self.by_start[wanted[self.by_start]]
 
+    def counts(self) -> dict[int, int]:
+        """Return the number of messages of each channel with a message."""
+        return {channel: int(self.places[3, rows].sum()) for channel, rows in self.by_channel.items()}
+
     def info(self, number: int) -> ChunkInfo:
         """Return a chunk as rosbags describes it, without its message indexes."""
         columns = (self.starts, self.ends, self.offsets, self.lengths)
@@ -239,8 +243,7 @@ class IndexedMcapReader(McapReader):
         return messages
 
     def _count(self) -> Statistics:
-        counts = self.index.places[3]
-        by_channel = {number: int(counts[rows].sum()) for number, rows in self.index.by_channel.items()}
+        by_channel = self.index.counts()
         first, last = int(self.index.starts.min()), int(self.index.ends.max())
         return Statistics(
             sum(by_channel.values()),
@@ -357,7 +360,7 @@ def _uint32_at(data: NDArray[np.uint8], at: NDArray[np.int64]) -> NDArray[np.int
 def is_complete(reader: IndexedMcapReader) -> bool:
     """Return True if the index and the summary contain each channel with its schema, and each message."""
     index, total = reader.index, reader.metadata.message_count
-    counts = {channel: int(index.places[3, rows].sum()) for channel, rows in index.by_channel.items()}
+    counts = index.counts()
     named = {connection.id: connection.msgcount for connection in reader.connections}
     return bool(
         (index.places[3] >= 0).all()

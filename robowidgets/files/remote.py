@@ -267,12 +267,14 @@ def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
     file = RemoteFile(shown, found.key, open_parts)
     try:
         source = open_mcap(file, is_near=file.is_near)
-        if has_clock_step(source.arrivals):
+        try:
+            if has_clock_step(source.arrivals):
+                raise _WholeError("its clock was set")
+            if is_plain(source):
+                raise _WholeError("it has JSON or protobuf, whose fields are found by reading many messages")
+        except BaseException:
             source.close()
-            raise _WholeError("its clock was set")
-        if is_plain(source):
-            source.close()
-            raise _WholeError("it has JSON or protobuf, whose fields are found by reading many messages")
+            raise
     except (RemoteError, _WholeError):
         raise
     except NoPartsError:

@@ -152,10 +152,11 @@ class _Sink:
         if self.schema is None:
             self.schema = table.schema
         try:
-            self._put(table.cast(self.schema))
+            rows = table.cast(self.schema)
         except (ValueError, arrow.ArrowInvalid, arrow.ArrowNotImplementedError):
             own = ", ".join(f"{one.name} ({one.type})" for one in table.schema if one not in self.schema)
             return {"problem": f"its columns differ from the columns of the other recordings: {own or 'fewer'}"}
+        self._put(rows)
         return {}
 
     def _array(self, column: NDArray[Any]) -> Any:

@@ -121,6 +121,9 @@ class LinesAtTime:
     def _work(self) -> Callable[[], None] | None:
         if self._recording is None:
             self._recording = self._open()
+            if self._is_closed:  # by another thread meanwhile, which had nothing to close
+                self._recording.close()
+                return None
             self._recording.preferred = frozenset(self._recording.preferred) | self._preferred
         if self.lines is None:
             return self._begin

@@ -283,14 +283,7 @@ class ChangedNumber:
         steps = press.steps[: found.steps]
         if not steps or press.old is None:
             return {}
-        return {
-            "steps": found.steps,
-            "seconds": round(steps[-1].at - steps[0].at, 1),
-            "otherwise": found.otherwise,
-            "failed": found.failed,
-            "error": found.error,
-            "axes": _curves(steps, press.old, known.new),
-        }
+        return {**found.packed(steps), "axes": _curves(steps, press.old, known.new)}
 
 
 def _number_at(function: Callable[..., Any], line: int, column: int) -> str:

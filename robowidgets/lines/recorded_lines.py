@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ..behaviors.lines.packed import packed_function, packed_step
-from ..behaviors.recorded_program import RecordedProgram, RecordedProgramError, recorded_program
+from ..behaviors.recorded_program import RecordedProgramError, recorded_program
 from ..behaviors.version import RATE
 from ..recordings import RecordingData
 from ..recordings.program_log import ProgramVersion
@@ -65,7 +65,7 @@ class RecordedLinesWidget(LinesTraits, RobotWidget[_Shown]):
         on_spans: Callable[[Spans | None], object] = lambda _: None,
         **kwargs: Any,
     ) -> None:
-        self._recording, self._function, self._rate, self._topics = recording, function, rate, topics
+        self._recording, self._function = recording, function
         self._versions: Sequence[ProgramVersion] = () if function is not None else recording.programs
         self._version: ProgramVersion | None = None
         self._is_allowed = function is not None
@@ -76,7 +76,7 @@ class RecordedLinesWidget(LinesTraits, RobotWidget[_Shown]):
         self.on_msg(self._on_page)
         self.observe(self._on_folded, "folded")
         if function is not None:
-            self._begin(lambda: function, rate, self._topics, (), None, ("", 0))
+            self._begin(lambda: function, rate, topics, (), None, ("", 0))
             self.name_after(str(getattr(function, "name", "") or getattr(function, "__name__", "lines")))
         self.ask(0.0)
 
@@ -142,7 +142,7 @@ class RecordedLinesWidget(LinesTraits, RobotWidget[_Shown]):
             self._set("_code", _code_of(key, [_unread(version, str(error))]))
             self._set("_offer", "")
             return
-        self._set("_code", _code_of(key, [_unrun(program)]))
+        self._set("_code", _code_of(key, [_without_values(program.name, program.first, program.lines)]))
         self._set("_drive", {"from": 0.0, "to": self._recording.duration})
         self._set("_offer", "" if self._is_allowed else OFFER)
         self._show(_Shown(seconds, None))
@@ -255,11 +255,6 @@ class RecordedLinesWidget(LinesTraits, RobotWidget[_Shown]):
 def _code_of(key: tuple[str, int], functions: list[dict[str, Any]]) -> dict[str, Any]:
     name, number = key
     return {"key": f"{name} {number}", "name": name, "version": number, "functions": functions}
-
-
-def _unrun(program: RecordedProgram) -> dict[str, Any]:
-    """Return a function that has not run, for the page."""
-    return _without_values(program.name, program.first, program.lines)
 
 
 def _unread(version: ProgramVersion, why: str) -> dict[str, Any]:

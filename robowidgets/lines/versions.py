@@ -67,11 +67,7 @@ class ComparedVersions:
             self.state = {
                 **head,
                 "why": job.error[:300],
-                "steps": found.steps,
-                "seconds": round(steps[found.steps - 1].at - steps[0].at, 1) if found.steps else 0.0,
-                "otherwise": found.otherwise,
-                "failed": found.failed,
-                "error": found.error,
+                **found.packed(steps),
                 "spans": found.all_spans,
                 "rows": [
                     [

@@ -106,8 +106,9 @@ class LabelFile:
             source: its messages, or None to open it if they decide.
         """
         found: dict[LabelledSpan, None] = {}
+        size = _size_of(path) if self._lines else None
         for line in self._lines:
-            if self._is_of(line, path, source):
+            if self._is_of(line, path, size, source):
                 found.pop(line.label, None)
                 if not line.is_removed:
                     found[line.label] = None
@@ -141,11 +142,11 @@ class LabelFile:
             except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
                 self._damaged.append(f"labels: line {number} of {self.path.name} is not a label")
 
-    def _is_of(self, line: _Line, path: Path, source: Source | None) -> bool:
+    def _is_of(self, line: _Line, path: Path, size: int | None, source: Source | None) -> bool:
         if line.file == path.name:
-            is_same = not line.content or line.size in (None, _size_of(path))
+            is_same = not line.content or line.size in (None, size)
             return is_same or line.content == self._content(path, source)
-        if not line.content or line.size != _size_of(path):
+        if not line.content or line.size != size:
             return False
         is_there = line.size == _size_of(self._folder / line.file)
         return not is_there and line.content == self._content(path, source)
