@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import partial
+from importlib.metadata import PackageNotFoundError, version
 from typing import Annotated, Any, Literal
 
 from anyio import CapacityLimiter, to_thread
@@ -16,7 +17,6 @@ from mcp.server.mcpserver.exceptions import ToolError
 from mcp_types import CallToolResult, ContentBlock, ImageContent, InputRequiredResult, TextContent, ToolAnnotations
 from pydantic import Field
 
-from .. import __version__
 from ..feeds import Feed, FeedError
 from ..repair import RecordingError
 from . import code as in_process
@@ -83,7 +83,7 @@ class AssistantServer(MCPServer[Any]):
     def __init__(self, library: Library, feed: Feed | None, drive: DriveLimits | None, *, code: bool) -> None:
         text = INSTRUCTIONS + (DRIVING if drive is not None else "")
         with _unchanged_logging():
-            super().__init__("robowidgets", instructions=text, version=__version__, log_level="WARNING")
+            super().__init__("robowidgets", instructions=text, version=_version(), log_level="WARNING")
         self._arguments: dict[str, list[str]] = {}
         self.library = library
         self.live = None if feed is None else LiveTools(feed)
@@ -345,6 +345,13 @@ def _result(answer: ToolAnswer) -> CallToolResult:
         data = base64.b64encode(made.png).decode()
         content.append(ImageContent(type="image", data=data, mime_type="image/png"))
     return CallToolResult(content=content, structured_content=made.data)
+
+
+def _version() -> str:
+    try:
+        return version("robowidgets")
+    except PackageNotFoundError:  # it runs from its sources
+        return ""
 
 
 @contextmanager
