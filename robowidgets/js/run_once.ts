@@ -106,8 +106,16 @@ const models = new WeakMap<Element, Given["model"]>();
 
 /** Has one of the views ask for the script; another one if that view ends before the answer. */
 function askForLater(): void {
-  [asker] = asks;
-  asker?.();
+  for (asker of asks) {
+    try {
+      asker();
+      return;
+    } catch {
+      // The kernel of this view has ended; a view of another notebook may have one.
+      asks.delete(asker);
+    }
+  }
+  asker = undefined;
 }
 
 function loadLater({ model, signal }: Given): void {
