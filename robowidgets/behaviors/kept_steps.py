@@ -22,6 +22,7 @@ _MOST_PARTS = 500
 _LARGEST_ARRAY = 10_000
 """Entries of an array in a state that are copied."""
 _OWN = ("state", "variables")
+_SMALL = frozenset({float, int, bool, type(None)})
 
 
 class KeptStep(NamedTuple):
@@ -138,15 +139,19 @@ def _kind_text(kind: type) -> str:
 
 def _bytes_of(value: Any, depth: int = 0) -> int:
     """Return roughly the bytes of a sample or a message."""
-    if isinstance(value, np.ndarray):
+    kind = type(value)
+    if kind is np.ndarray:
         return int(value.nbytes)
-    if isinstance(value, (bytes, bytearray, memoryview, str)):
+    if kind in (bytes, bytearray, memoryview, str):
         return len(value)
-    if isinstance(value, (list, tuple)):
+    if kind is list or isinstance(value, tuple):
         if depth > 3:
             return 8 * len(value)
         return 8 * len(value) + sum(_bytes_of(one, depth + 1) for one in value[:10]) * max(1, len(value) // 10)
     if depth > 3:
         return 0
-    parts = value if isinstance(value, dict) else getattr(value, "__dict__", {})
-    return 200 + sum(_bytes_of(one, depth + 1) for one in [*parts.values()])
+    size = 200
+    for part in (value if kind is dict else getattr(value, "__dict__", {})).values():
+        if type(part) not in _SMALL:  # a call for each number would take longer than all the rest
+            size += _bytes_of(part, depth + 1)
+    return size
