@@ -129,6 +129,10 @@ def test_edges_move_and_escape_puts_back_what_was_also_while_frozen(plain_page: 
     says(card, "ranges[8:15]", "1.66 m")
     drag(nb, card, start, *arc(place, 3.5, -10, 80))  # past the other edge
     says(card, "ranges[14:18]", "1.78 m")
+    nb.page.keyboard.press("Control+z")
+    says(card, "ranges[8:15]", "1.66 m")
+    nb.page.keyboard.press("Control+z")
+    eventually(lambda: nb.python("laser.sectors['ahead']"), "Sector('-10deg', '10deg')")
     nb.python("laser.selection = None")
     expect(chip(card)).to_have_count(0)
     drag(nb, card, *arc(place, 2.6, -80, -50), up=False)
@@ -176,6 +180,11 @@ def test_keys_make_move_keep_walk_and_remove_sectors(plain_page: Callable[..., P
     assert nb.python("sorted(laser.sectors)") == "['right', 'sector 1']"
     name.press("Escape")
     expect(chip(card).locator(".rw-chip-error")).to_be_empty()
+    keys.press("Delete")
+    eventually(lambda: nb.python("list(laser.sectors)"), "['right']")
+    keys.press("Control+z")
+    expect(live).to_have_text("back: sector \u201csector 1\u201d")
+    says(card, "ranges[7:19]", "1.64 m")
     keys.press("Delete")
     eventually(lambda: nb.python("list(laser.sectors)"), "['right']")
     nb.python("laser.pins = {'door': 3, 'same door': 3, 'gone': 99}")

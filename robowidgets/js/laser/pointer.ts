@@ -7,6 +7,7 @@ import { Popup, type PopupWords, toSentence } from "../shared/popup.ts";
 import { placePopup } from "../shared/popup_place.ts";
 import { toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
+import { keepChange } from "../shared/undo.ts";
 import { ABOUT_FORMS, FORMS, type Form, toCode } from "./code.ts";
 import { drawLine, drawRobot } from "./draw_area.ts";
 import { drawStripPointer } from "./draw_strip.ts";
@@ -98,7 +99,7 @@ export class PointerLayer implements Layer {
 
   onClick(point: Point): boolean {
     const index = this.#indexAt(point);
-    this.#setIndex("pinned", index === this.#host.model.get("pinned") ? -1 : index);
+    this.#pin(index === this.#host.model.get("pinned") ? -1 : index);
     return true;
   }
 
@@ -151,7 +152,8 @@ export class PointerLayer implements Layer {
       return;
     }
     const walked = to === "none" ? -1 : Math.min(last, Math.max(0, index));
-    this.#setIndex("pinned", walked);
+    if (walked < 0) this.#pin(walked);
+    else this.#setIndex("pinned", walked);
     card.say(walked < 0 ? [] : toSentence(this.#describe(scan, walked, 1)));
   }
 
@@ -174,6 +176,14 @@ export class PointerLayer implements Layer {
   #indexAt(point: Point): number {
     const scan = this.#host.stream.shown;
     return scan ? pick(this.#host.stage.projection, scan, point) : -1;
+  }
+
+  #pin(index: number): void {
+    const { model, card } = this.#host;
+    const before = model.get("pinned");
+    this.#setIndex("pinned", index);
+    if (model.get("pinned") === before) return;
+    keepChange(card.picture, { words: "pinned ray", undo: () => setTraits(model, { pinned: before }) });
   }
 
   #setIndex(name: "hovered" | "pinned", index: number): void {

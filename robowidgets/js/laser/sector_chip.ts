@@ -171,8 +171,10 @@ export class SectorChip {
     if (!scan) return "";
     const found = sectorOfText(scan, text);
     if (typeof found === "string") return found;
+    const { now } = this.#store;
     if (picked && this.#asked === null) this.#store.put({ ...picked, sector: { ...picked.sector, ...found } });
     else this.#store.put({ name: "", sector: found });
+    this.#store.keepUndo(now);
     this.#asked = null;
     this.#owner.say();
     return "";

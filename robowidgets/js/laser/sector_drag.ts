@@ -2,7 +2,7 @@ import type { Point } from "../shared/box.ts";
 import { angleOf, indexAt, type Scan } from "../shared/frames/scan.ts";
 import { fromPixel } from "../shared/projection.ts";
 import type { Drag, Stage } from "./layer.ts";
-import { type Edge, type Named, raysAt, type SectorStore, sectorTo, withEdge } from "./sector_store.ts";
+import { type Edge, type Named, raysAt, type SectorStore, type Sectors, sectorTo, withEdge } from "./sector_store.ts";
 
 /** Drags of sectors along the arc. */
 export class SectorDrags {
@@ -10,13 +10,13 @@ export class SectorDrags {
   before: Named[] | null = null;
   readonly #store: SectorStore;
   readonly #stage: () => Stage;
-  readonly #end: (undo: () => void) => void;
+  readonly #end: (before: Sectors) => void;
 
   /**
    * @param stage the picture as it was drawn last
-   * @param end called after a drag, with a function that undoes it
+   * @param end called after a drag, with the sectors before it
    */
-  constructor(store: SectorStore, stage: () => Stage, end: (undo: () => void) => void) {
+  constructor(store: SectorStore, stage: () => Stage, end: (before: Sectors) => void) {
     this.#store = store;
     this.#stage = stage;
     this.#end = end;
@@ -54,7 +54,7 @@ export class SectorDrags {
    * @param beyond radians from the ray that moves to the edge under the pointer
    */
   #drag(scan: Scan, from: number, toNamed: (rays: number) => Named, beyond = 0): Drag {
-    const undo = this.#store.snapshot();
+    const { now } = this.#store;
     this.before = this.#store.all;
     let [last, turned] = [from, beyond];
     return {
@@ -66,11 +66,11 @@ export class SectorDrags {
       },
       end: () => {
         this.before = null;
-        this.#end(undo);
+        this.#end(now);
       },
       cancel: () => {
         this.before = null;
-        undo();
+        this.#store.restore(now);
       },
     };
   }

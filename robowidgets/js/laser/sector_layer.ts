@@ -20,7 +20,7 @@ import { SectorChip } from "./sector_chip.ts";
 import { SectorDrags } from "./sector_drag.ts";
 import { onSectorKey } from "./sector_keys.ts";
 import { SectorNumbers } from "./sector_numbers.ts";
-import { type Edge, type Named, raysAt, SectorStore, sectorTo, withEdge } from "./sector_store.ts";
+import { type Edge, type Named, raysAt, SectorStore, type Sectors, sectorTo, withEdge } from "./sector_store.ts";
 import { toLines } from "./sector_words.ts";
 import { sectorStrip } from "./strip_sector.ts";
 
@@ -41,16 +41,17 @@ export class SectorLayer implements Layer {
   readonly #drags: SectorDrags;
   readonly #chip: SectorChip;
   #edge: Edge | null = null;
-  #undo: (() => void) | null = null;
+  /** The sectors before the change of an edge. */
+  #before: Sectors | null = null;
   #names = new Map<string, NamePlace>();
 
   constructor(host: Host) {
     this.#host = host;
-    this.store = new SectorStore(host.model, host.signal);
+    this.store = new SectorStore(host.model, host.card.picture, host.signal);
     this.hint.append(make("span", "", "drag along an arc to select rays"));
-    const onDragged = (undo: () => void) => {
+    const onDragged = (before: Sectors) => {
       this.hint.remove();
-      this.#undo = undo;
+      this.#before ??= before;
       this.#chip.close();
       this.#leaveEdge();
       this.say();
@@ -228,7 +229,7 @@ export class SectorLayer implements Layer {
   escape(): boolean {
     if (this.#chip.close()) return true;
     if (!this.store.picked) return false;
-    if (this.#edge) this.#undo?.();
+    if (this.#edge && this.#before) this.store.restore(this.#before);
     else this.store.pick(null);
     this.#leaveEdge();
     this.#host.card.say([]);
@@ -284,10 +285,18 @@ export class SectorLayer implements Layer {
   }
 
   #begin(): void {
-    this.#undo = this.store.snapshot();
+    this.#end();
+    this.#before = this.store.now;
+  }
+
+  /** Ends the change of an edge: Ctrl+Z undoes it as a whole. */
+  #end(): void {
+    if (this.#before) this.store.keepUndo(this.#before);
+    this.#before = null;
   }
 
   #leaveEdge(): void {
+    this.#end();
     this.#edge = null;
     this.#host.card.redraw();
   }

@@ -1,6 +1,7 @@
 import { isFullCircle, type Sweep } from "../shared/frames/scan.ts";
 import type { Model } from "../shared/model.ts";
 import { throttle } from "../shared/schedule.ts";
+import { keepChange } from "../shared/undo.ts";
 import { type Sector, sectorOf, stretchesOf } from "./sector.ts";
 import type { LaserTraits } from "./traits.ts";
 
@@ -14,13 +15,21 @@ export interface Named {
 
 export type Edge = "start" | "end";
 
+/** The kept and the picked sectors at one time. */
+export interface Sectors {
+  kept: Record<string, Sector>;
+  selection: LaserTraits["_selection"];
+}
+
 /** The kept and the picked sectors, in the traits. While the user drags, Python gets ten changes a second. */
 export class SectorStore {
   readonly #model: Model<LaserTraits>;
+  readonly #card: Element;
   readonly #save: () => void;
 
-  constructor(model: Model<LaserTraits>, signal: AbortSignal) {
+  constructor(model: Model<LaserTraits>, card: Element, signal: AbortSignal) {
     this.#model = model;
+    this.#card = card;
     this.#save = throttle(() => model.save_changes(), SAVE_MS, signal);
   }
 
@@ -59,20 +68,41 @@ export class SectorStore {
     const { picked } = this;
     if (!picked) return "";
     if (name !== picked.name && Object.hasOwn(this.kept, name)) return `there is a sector ${name} already`;
+    const { now } = this;
     const others = Object.entries(this.kept).filter(([other]) => other !== picked.name);
     this.#put({ ...Object.fromEntries(others), [name]: picked.sector }, { name });
+    this.keepUndo(now);
     return "";
   }
 
   remove(): void {
-    const { picked } = this;
+    const { now, picked } = this;
     this.#put(Object.fromEntries(Object.entries(this.kept).filter(([name]) => name !== picked?.name)), {});
+    this.keepUndo(now);
   }
 
-  /** A function that restores the kept and the picked sectors of now. */
-  snapshot(): () => void {
-    const [kept, selection] = [this.kept, this.#model.get("_selection")];
-    return () => this.#put(kept, selection);
+  get now(): Sectors {
+    return { kept: this.kept, selection: this.#model.get("_selection") };
+  }
+
+  /** Restores the sectors that differ between two times; Python may have set others since. */
+  restore({ kept, selection }: Sectors, after = this.now): void {
+    const all = { ...this.kept };
+    for (const name of new Set([...Object.keys(kept), ...Object.keys(after.kept)])) {
+      const [old, changed] = [kept[name], after.kept[name]];
+      if (isSame(old, changed)) continue;
+      if (old) all[name] = old;
+      else delete all[name];
+    }
+    this.#put(all, selection);
+  }
+
+  /** Keeps the change since a time for Ctrl+Z, if there is one. */
+  keepUndo(before: Sectors): void {
+    const { now: after, picked } = this;
+    if (isSame(drawn(before), drawn(after))) return;
+    const name = picked?.name || before.selection.name;
+    keepChange(this.#card, { words: name ? `sector “${name}”` : "sector", undo: () => this.restore(before, after) });
   }
 
   #put(kept: Record<string, Sector>, selection: LaserTraits["_selection"]): void {
@@ -80,6 +110,15 @@ export class SectorStore {
     this.#model.set("_selection", selection);
     this.#save();
   }
+}
+
+/** The sectors, without the choice among the kept ones. */
+function drawn({ kept, selection }: Sectors): unknown {
+  return [kept, selection.name === undefined ? selection : {}];
+}
+
+function isSame(a: unknown, b: unknown): boolean {
+  return JSON.stringify(a) === JSON.stringify(b);
 }
 
 /** The first and the last ray of a sector as the scanner passes through it; null without any. */

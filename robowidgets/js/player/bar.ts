@@ -9,6 +9,7 @@ import { perAnimationFrame } from "../shared/schedule.ts";
 import { StateBand } from "../shared/states/band.ts";
 import { statesAt, toWords } from "../shared/states/states.ts";
 import { followTheme, type Theme } from "../shared/theme.ts";
+import { watchUndo } from "../shared/undo.ts";
 import { toDensity } from "./density.ts";
 import { actionOf, isBarsAlone, SPEEDS, usesItself } from "./keys.ts";
 import { Labels } from "./labels.ts";
@@ -88,6 +89,7 @@ export class PlayerBar {
     // On the document: the bar may be created before it is inserted next to the widgets that it moves.
     on(document, "keydown", (event) => this.#isLeftOver(event) && this.#onKey(event), signal);
     keepKeys(this.#root, signal);
+    watchUndo(this.#root, draw, signal);
     mount(element, this.#root, signal);
 
     playback.listen(draw, signal);

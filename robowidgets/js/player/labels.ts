@@ -5,6 +5,7 @@ import type { Mark } from "../shared/marks.ts";
 import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { NameRow } from "../shared/naming.ts";
 import type { Span } from "../shared/time_axis.ts";
+import { keepChange } from "../shared/undo.ts";
 import type { Playback } from "./playback.ts";
 import type { PlayerTraits } from "./traits.ts";
 
@@ -34,6 +35,8 @@ export class Labels {
   #old: Mark | null = null;
   /** Requests that the kernel has not answered yet. */
   #asked: Asked[] = [];
+  /** The requests among them that undo an earlier one. */
+  readonly #undone = new WeakSet<Asked>();
   #isBusy = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #drawn: unknown[] = [];
@@ -158,6 +161,12 @@ export class Labels {
     setTraits(this.#model, { selection: [label[0], label[1]] });
   }
 
+  #undo([to, from]: Asked): void {
+    const asked: Asked = [from, to];
+    this.#undone.add(asked);
+    this.#ask(asked);
+  }
+
   #ask(asked: Asked): void {
     if (lacksKernel(this.#model)) return;
     const [to] = asked;
@@ -183,6 +192,9 @@ export class Labels {
     const span = to ?? from;
     // Nothing is lost: the typed text stands in the row again.
     if (problem && span && !this.row.isOpen) this.#name([span[0], span[1]], from, problem, (to ?? from)?.[2]);
+    if (!problem && span && !this.#undone.has(asked)) {
+      keepChange(this.lane, { words: `label “${span[2]}”`, undo: () => this.#undo(asked) });
+    }
     this.#redraw();
   }
 }

@@ -16,6 +16,7 @@ import { isPlain, on } from "../shared/events.ts";
 import { keepKeys } from "../shared/keys.ts";
 import { setTraits } from "../shared/model.ts";
 import { followTheme } from "../shared/theme.ts";
+import { Changes, isField, isUndo, keepChange } from "../shared/undo.ts";
 import type { Cards } from "./traits.ts";
 import {
   type Edge,
@@ -43,7 +44,6 @@ import type { Item, ScreenView } from "./view.ts";
 
 const SIDES: Record<string, Side> = { ArrowLeft: "left", ArrowRight: "right", ArrowUp: "above", ArrowDown: "below" };
 const INTERACTIVE = "button, input, select, textarea, a, [tabindex], .rw-over";
-const FIELDS = "input:not([type=range]), textarea, select, [contenteditable]";
 const COLORS = ["ground", "ink", "on-ink", "line", "pointer", "on-pointer", "muted", "button", "guide"];
 const ICONS: Record<Preset | "copy", string> = {
   laser: "M6 11.5L.8 3.6A8 8 0 0 1 11.2 3.6z",
@@ -62,12 +62,6 @@ const PLACE = "\0";
 
 type Boxes = Map<string, Box>;
 
-/** An arrangement before a change, and the change in words. */
-interface Change {
-  before: Cards;
-  words: string;
-}
-
 /** Lets the user arrange the cards of a screen by pointer and keys, undo that, and show one of them in full screen. */
 export class Arranger {
   /** The rectangle at the place that a dragged card would take. */
@@ -81,7 +75,7 @@ export class Arranger {
   readonly #tools = make("span", "rw-arrange-tools");
   readonly #presets = new Map<Preset, HTMLButtonElement>();
   readonly #copy: HTMLButtonElement;
-  readonly #changes: Change[] = [];
+  readonly #changes: Changes;
   readonly #glides: Animation[] = [];
   #strip: HTMLElement | null = null;
   /** The arrangement during a drag, and after arrows until Enter. */
@@ -109,6 +103,7 @@ export class Arranger {
     this.#copy.append(makeIcon(ICONS.copy));
     this.#tools.append(...this.#presets.values(), this.#copy);
     const { root } = view;
+    this.#changes = new Changes(root, signal);
     root.tabIndex = -1;
     on(root, "pointerover", ({ target }) => this.#addGrip(this.#itemOf(target)), signal);
     on(root, "focusin", () => [...view.items.values()].forEach((item) => void this.#addGrip(item)), signal);
@@ -240,9 +235,9 @@ export class Arranger {
 
   /** Keeps an arrangement, or with null the places of the widgets. */
   #keep(tree: Part | null, words: string): void {
-    const { model } = this.#view;
+    const { model, root } = this.#view;
     const before = model.get("_cards");
-    this.#changes.push({ before, words });
+    keepChange(root, { words, undo: () => this.#set(before) });
     this.#set(tree ? { all: pack(tree) } : {});
   }
 
@@ -252,13 +247,6 @@ export class Arranger {
       setTraits(this.#view.model, { _cards: cards });
       this.#view.layOut();
     });
-  }
-
-  #undo(): void {
-    const change = this.#changes.pop();
-    if (!change) return;
-    this.#set(change.before);
-    this.#say(`back: ${change.words}`);
   }
 
   #toPreset(preset: Preset): void {
@@ -454,13 +442,16 @@ export class Arranger {
 
   #onKey(event: KeyboardEvent): void {
     const { target, key } = event;
-    const isField = target instanceof Element && target.matches(FIELDS);
-    const isHandled = event.defaultPrevented || isField;
+    const isHandled = event.defaultPrevented || isField(target);
     if (key === "Escape" && this.#full) {
       this.#leaveFull();
-    } else if ((event.ctrlKey || event.metaKey) && !event.shiftKey && key === "z" && !isHandled && !this.#drag) {
+    } else if (isUndo(event) && !isHandled && !this.#drag) {
       if (this.#stepped) this.#dropStepped();
-      else this.#undo();
+      else {
+        const words = this.#changes.undo();
+        if (!words) return;
+        this.#say(words);
+      }
     } else if ((key === "f" || key === "F") && isPlain(event) && !isHandled) {
       const item = this.#itemOf(target);
       if (this.#full) this.#leaveFull();

@@ -8,6 +8,7 @@ import { Notice } from "./notice.ts";
 import { afterDrawings, perAnimationFrame, Texts, throttle } from "./schedule.ts";
 import { followTheme, type Theme } from "./theme.ts";
 import type { CardTraits, Problem } from "./traits.ts";
+import { watchUndo } from "./undo.ts";
 
 const BORDER = 1;
 /** Milliseconds between two drawings of a card that is scrolled out of sight, so that its texts can be found. */
@@ -78,6 +79,7 @@ export class Card {
     );
     onChange(model, ["title", "header", "footer"], this.redraw, signal);
     keepKeys(this.root, signal);
+    watchUndo(this.root, (words) => this.say([words]), signal);
     const observer = new IntersectionObserver((entries) => {
       const wasSeen = this.#isSeen;
       this.#isSeen = entries.at(-1)?.isIntersecting !== false;

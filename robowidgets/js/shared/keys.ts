@@ -1,4 +1,5 @@
 import { isPlain, on } from "./events.ts";
+import { isUndo } from "./undo.ts";
 
 const isField = (element: Element | null) => element instanceof HTMLInputElement;
 
@@ -11,8 +12,7 @@ export function keepKeys(root: HTMLElement, signal: AbortSignal): void {
     const { activeElement: focused } = document;
     if (!root.contains(focused)) return;
     const isPlainKey = isPlain(event) && (event.key !== "Enter" || isField(focused) || focused?.matches(".rw-grip"));
-    const undoes = event.key === "z" && (event.ctrlKey || event.metaKey) && focused?.closest(".rw-one-screen");
-    focused?.toggleAttribute("data-lm-suppress-shortcuts", Boolean(isPlainKey || undoes));
+    focused?.toggleAttribute("data-lm-suppress-shortcuts", Boolean(isPlainKey || isUndo(event)));
   };
   on(window, "keydown", keep, signal, { capture: true });
 }
