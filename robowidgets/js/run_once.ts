@@ -137,7 +137,8 @@ function loadLater({ model, signal }: Given): void {
 function keepPicture({ model, el, signal }: Given): void {
   const manager = model.widget_manager;
   const context = manager?.context;
-  if (!context?.sessionContext) return;
+  // Solara has such a context without these.
+  if (!context?.sessionContext?.iopubMessage || !context.saveState) return;
   models.set(el, model);
   void later.then(({ keepPictures }) => {
     const styleOf = (element: Element) => models.get(element)?.get("_style");

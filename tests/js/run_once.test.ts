@@ -45,3 +45,21 @@ test("views that close with their kernel throw nothing, and a view of another ke
   await new Promise(setImmediate);
   assert.deepEqual(thrown, []);
 });
+
+test("a host without a notebook gets no pictures of it, and no error", async () => {
+  URL.createObjectURL = () =>
+    "data:text/javascript,export default { explainWords() {}, keepPictures() { throw new Error('no notebook') }, render() {} }";
+  const { default: make } = await import("../../robowidgets/js/run_once.ts");
+  const model = new KernelModel({ _script: "solara", _style: "style" });
+  // As Solara has it.
+  Object.assign(model, { widget_manager: { context: { sessionContext: { session: {} } } } });
+  const el = document.createElement("div");
+  document.body.append(el);
+  const given = { model, el, signal: new AbortController().signal } as never;
+  const widget = make();
+  await widget.initialize(given);
+  widget.render(given);
+  await clock.pass(1000);
+  model.tell({ later: "later" });
+  await clock.pass(100);
+});
