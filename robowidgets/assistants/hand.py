@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,8 +73,14 @@ class Hand:
         self._renewer: Ticket | None = None
         self._is_closed = False
 
-    def drive(self, linear: float, angular: float, duration: float) -> ToolAnswer:
+    def drive(self, linear: float, angular: float, duration: float, check: Callable[[], object] = bool) -> ToolAnswer:
         """Drive for some seconds, cut to the limits.
+
+        Args:
+            linear: m/s, forward.
+            angular: rad/s, counter-clockwise.
+            duration: seconds.
+            check: raises an error if the command was cancelled while it waited for the robot. Nothing is sent then.
 
         Raises:
             AnswerError: the duration is too long. FeedError: the robot cannot be driven now. Nothing is sent then.
@@ -99,7 +106,7 @@ class Hand:
         if program is not None and program.mode != ENDED:
             raise FeedError(f"the program {program.name} of the user drives alone; nothing was sent")
         try:
-            lease = self._driver.drive_by_assistant(wanted, duration)
+            lease = self._driver.drive_by_assistant(wanted, duration, check)
         except FeedError as error:
             raise FeedError(f"{error}; nothing was sent") from None
         self._held = wanted, lease

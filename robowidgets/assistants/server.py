@@ -11,7 +11,7 @@ from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from typing import Annotated, Any, Literal
 
-from anyio import CapacityLimiter, to_thread
+from anyio import CapacityLimiter, from_thread, to_thread
 from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
 from mcp_types import CallToolResult, ContentBlock, ImageContent, InputRequiredResult, TextContent, ToolAnnotations
@@ -297,7 +297,7 @@ class AssistantServer(MCPServer[Any]):
             angular: Annotated[float, Field(description="rad/s counter-clockwise.")],
             seconds: Annotated[float, Field(description="Seconds until zero is sent, unless you ask again.", gt=0)],
         ) -> CallToolResult:
-            return await drives(partial(hand.drive, linear, angular, seconds))
+            return await drives(partial(hand.drive, linear, angular, seconds, from_thread.check_cancelled))
 
         async def robot_stop() -> CallToolResult:
             return await stops(hand.stop)

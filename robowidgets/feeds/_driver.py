@@ -6,7 +6,7 @@ import contextlib
 import itertools
 import logging
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -163,17 +163,23 @@ class Driver:
         """
         return self._drive_now(Velocity(linear, angular, lateral))
 
-    def drive_by_assistant(self, wanted: Velocity, seconds: float) -> Lease:
+    def drive_by_assistant(self, wanted: Velocity, seconds: float, check: Callable[[], object]) -> Lease:
         """Publish the first speed of an assistant's command, and return the lease with which `renew` repeats it.
+
+        Args:
+            wanted: the speed.
+            seconds: the time for which it is valid.
+            check: raises an error if the command was cancelled while it waited for the robot. Nothing is sent then.
 
         Raises:
             FeedError: as `Feed.drive`, or a program drives.
         """
         velocity, stops = self._within(wanted), self.watchdog.stops
         self._await_robot()
+        check()
         lease = self.watchdog.lend(seconds, stops)
         try:
-            self._send_soon(velocity, stops, lease)
+            self._send_soon(velocity, stops, lease, check)
         except BaseException:
             self.watchdog.end_lease(lease)
             raise
@@ -262,11 +268,14 @@ class Driver:
         if self._connected_by is None:
             self._connected_by = self._clock.now() + CONNECT_TIMEOUT
 
-    def _send_soon(self, velocity: Velocity, stops: int, lease: Lease | None = None) -> None:
+    def _send_soon(
+        self, velocity: Velocity, stops: int, lease: Lease | None = None, check: Callable[[], object] = bool
+    ) -> None:
         """Send a speed, again and again while a subscriber is connecting."""
         try:
             while not self._try_drive(velocity, stops, lease):
                 self._connection.wait_until(lambda: False, RETRY_PAUSE)
+                check()
         finally:
             self._log_status()
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import anyio
+import anyio.from_thread
+import anyio.to_thread
 import pytest
 
 import robowidgets
@@ -305,6 +309,38 @@ def test_driving_is_off_unless_a_person_turns_it_on(serve: Serve) -> None:
     assert "Unknown tool: robot_drive" in refusal(server, "robot_drive", linear=0.1, angular=0.0, seconds=1.0)
     assert "drive" not in server.instructions
     assert script.sent == []
+
+
+def test_a_command_that_its_client_cancels_while_it_waits_for_the_robot_sends_nothing(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server, script, feed = serve(CMD_VEL, drive=LIMITS)
+    waits = threading.Event()
+
+    def is_cancelled() -> bool:
+        try:
+            anyio.from_thread.check_cancelled()
+        except BaseException:  # of asyncio
+            return True
+        return False
+
+    def wait_for_robot(_topic: str) -> None:
+        waits.set()
+        wait_for(is_cancelled, "the command is cancelled")
+
+    monkeypatch.setattr(feed.connection, "await_subscriber", wait_for_robot)
+
+    async def cancel() -> None:
+        from mcp import Client
+
+        async with Client(server) as client, anyio.create_task_group() as tasks:
+            tasks.start_soon(client.call_tool, "robot_drive", {"linear": 0.1, "angular": 0.0, "seconds": 5.0})
+            await anyio.to_thread.run_sync(waits.wait)
+            tasks.cancel_scope.cancel()
+
+    anyio.run(cancel)
+    assert script.speeds == []
+    assert feed.watchdog.driver == ""
 
 
 def test_an_injection_in_the_text_of_a_topic_is_marked_and_changes_nothing_that_is_sent(serve: Serve) -> None:
