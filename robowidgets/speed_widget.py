@@ -211,7 +211,7 @@ class SpeedWidget(RobotWidget[Reading]):
         return dict(zip(AXES, zip(reading.least, reading.greatest, strict=True), strict=True))
 
     def frame_of(self, sample: Any, commanded: Speed | None = None) -> tuple[dict[str, Any], bytes]:
-        """See `RobotWidget`. The samples are speeds. There are no peaks, because a player shows times in any order."""
+        """See `RobotWidget`. The samples are speeds. Peaks are left out, because a player shows times in any order."""
         return {"frame_id": sample.frame_id}, self._pack(Reading(sample, commanded))
 
     def limits_of(self, axis: str) -> Pair | None:
