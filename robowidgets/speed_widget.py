@@ -210,6 +210,10 @@ class SpeedWidget(RobotWidget[Reading]):
         reading = self._sample_on_show()
         return dict(zip(AXES, zip(reading.least, reading.greatest, strict=True), strict=True))
 
+    def frame_of(self, sample: Any, commanded: Speed | None = None) -> tuple[dict[str, Any], bytes]:
+        """See `RobotWidget`. The samples are speeds. Peaks are left out, because a player shows times in any order."""
+        return {"frame_id": sample.frame_id}, self._pack(Reading(sample, commanded))
+
     def limits_of(self, axis: str) -> Pair | None:
         """Return the limits (min, max) of one axis, such as "linear.x", or None without limits."""
         group = self.linear_limits if axis.startswith("linear") else self.angular_limits

@@ -19,6 +19,7 @@ from ..repair import (
     is_being_written,
     open_repaired,
 )
+from ..repair.mcap_records import MAGIC
 from ..runtime.text import listed, many
 from ..samples.staleness import PARTS_PAUSE
 from . import _rosbags
@@ -28,7 +29,7 @@ from ._plain import in_ros as in_ros
 
 _OPENERS = {
     b"#ROSBAG V2.0\n": _rosbags.open_bag,
-    b"\x89MCAP0\r\n": _rosbags.open_mcap,
+    MAGIC: _rosbags.open_mcap,
     b"SQLite format 3\0": _rosbags.open_sqlite,
 }
 METADATA = "metadata.yaml"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
-from struct import Struct, error
+from struct import error
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,15 +16,11 @@ from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from ..repair import JITTER_NS, LEAP_NS, Arrivals, RecordingError, joined, may_precede_clock
+from ..repair.mcap_records import INDEX_ENTRY, INDEX_HEAD, MESSAGE_INDEX
 from ._mcap import IndexedMcapReader
 
 _MOST_CHUNKS = 1000
 """The maximum number of chunks of an MCAP file whose indexes are read: with more, a slow disk would take seconds."""
-
-_INDEX_OP = 7
-_INDEX_HEAD = Struct("<BQHI")
-_ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
-"""The entry of a message in the index of a chunk of an MCAP file; the entries of a channel follow a head."""
 
 
 def arrivals_in_bag(reader: BagReader) -> Arrivals:
@@ -125,7 +121,7 @@ class _Index(NamedTuple):
 def _place(reader: IndexedMcapReader, row: int) -> tuple[int, int]:
     """Return the offset and size in bytes of the index of a connection in a chunk."""
     _, _, offset, count = reader.index.places[:, row].tolist()
-    return offset, _INDEX_HEAD.size + count * _ENTRY.itemsize
+    return offset, INDEX_HEAD.size + count * INDEX_ENTRY.itemsize
 
 
 def _indexes(reader: IndexedMcapReader, places: Sequence[tuple[int, int]]) -> Iterator[_Index]:
@@ -137,7 +133,7 @@ def _indexes(reader: IndexedMcapReader, places: Sequence[tuple[int, int]]) -> It
         reader.bio.seek(start)
         records = list(_records(reader.bio.read(size)))
         ids, counts = [number for number, _ in records], [len(own) for _, own in records]
-        entries = np.concatenate([np.empty(0, _ENTRY), *(own for _, own in records)])
+        entries = np.concatenate([np.empty(0, INDEX_ENTRY), *(own for _, own in records)])
         yield _Index(entries, np.repeat(np.array(ids, np.int64), counts))
 
 
@@ -145,9 +141,9 @@ def _records(index: bytes) -> Iterator[tuple[int, NDArray[Any]]]:
     """Yield the channels in the index of a chunk with their entries. Raises struct.error."""
     at = 0
     while at < len(index):
-        op, _, channel, length = _INDEX_HEAD.unpack_from(index, at)
-        at += _INDEX_HEAD.size
-        if op != _INDEX_OP or length % _ENTRY.itemsize or at + length > len(index):
+        op, _, channel, length = INDEX_HEAD.unpack_from(index, at)
+        at += INDEX_HEAD.size
+        if op != MESSAGE_INDEX or length % INDEX_ENTRY.itemsize or at + length > len(index):
             raise error(f"no record of an index at byte {at}")
-        yield channel, np.frombuffer(index, _ENTRY, length // _ENTRY.itemsize, at)
+        yield channel, np.frombuffer(index, INDEX_ENTRY, length // INDEX_ENTRY.itemsize, at)
         at += length

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Callable, Collection, Generator, Iterator
 from heapq import heappop, heappush
 from io import BytesIO
@@ -20,30 +19,22 @@ from rosbags.rosbag2.storage_mcap import (
     Schema,
     Statistics,
     msgsrc,
-    read_bytes,
     read_string,
 )
 
-from ..messages.channel import Channel, definition_text, full_type
-from ..repair import USED_METADATA, RecordingError
+from ..messages.channel import Channel
+from ..repair import RecordingError
+from ..repair import mcap_records as mcap
 
 _MOST_SUMMARY = 1 << 29
 """Maximum bytes of a summary: it has some 300 bytes for each chunk."""
-_FOOTER_OP, _SCHEMA_OP, _CHANNEL_OP, _CHUNK_INDEX_OP, _OFFSETS_OP = 2, 3, 4, 8, 14
-_MAGIC = b"\x89MCAP0\r\n"
 _FOOTER = Struct("<9sQQI8s")
 _FOOTER_HEAD = b"\x02\x14" + bytes(7)
-_SHORT = Struct("<H")
-_NO_SCHEMA = Schema(0, "", "", "")
 _END = 2**63 - 1
-_RECORD = Struct("<BQ")
 _COLUMNS = ("start", "end", "offset", "length", "index_length", "compressed", "size")
 _MAP = 32
 """Bytes of the record of a chunk before its map of channels."""
 _PLACES = np.dtype([("channel", "<u2"), ("offset", "<i8")])
-_INDEX_HEAD = 15
-"""Bytes before the entries in the message index of a channel in a chunk."""
-_ENTRY = 16
 
 
 IsNear = Callable[[int, int], bool]
@@ -127,13 +118,13 @@ class IndexedMcapReader(McapReader):
         """Read the index of a file with any profile; `McapReader` opens only files of ROS 2."""
         assert self.bio
         bio = self.bio
-        bio.seek(len(_MAGIC))
-        _, size = _RECORD.unpack(bio.read(_RECORD.size))
+        bio.seek(len(mcap.MAGIC))
+        _, size = mcap.RECORD_HEAD.unpack(bio.read(mcap.RECORD_HEAD.size))
         is_ros2 = read_string(bio) == "ros2"
-        self.data_start = len(_MAGIC) + _RECORD.size + size
+        self.data_start = len(mcap.MAGIC) + mcap.RECORD_HEAD.size + size
         bio.seek(-_FOOTER.size, 2)
         head, summary, *_, magic = _FOOTER.unpack(bio.read(_FOOTER.size))
-        if is_ros2 or not summary or (head, magic) != (_FOOTER_HEAD, _MAGIC):
+        if is_ros2 or not summary or (head, magic) != (_FOOTER_HEAD, mcap.MAGIC):
             bio.seek(0)
             super()._open()
             return
@@ -165,24 +156,24 @@ class IndexedMcapReader(McapReader):
         if len(raw) != size:
             raise RecordingError(f"{self.path}: its summary is cut off")
         rest, records = bytearray(), []
-        schemas: dict[int, Schema] = {}
-        channels: dict[int, BytesIO] = {}
+        schemas: dict[int, mcap.McapSchema] = {}
+        channels: dict[int, mcap.McapChannel] = {}
         at = 0
-        while (op := raw[at]) not in (_FOOTER_OP, _OFFSETS_OP):
-            _, size = _RECORD.unpack_from(raw, at)
-            start, end = at + _RECORD.size, at + _RECORD.size + size
-            if op == _CHUNK_INDEX_OP:
+        while (op := raw[at]) not in (mcap.FOOTER, mcap.SUMMARY_OFFSET):
+            _, size = mcap.RECORD_HEAD.unpack_from(raw, at)
+            start, end = at + mcap.RECORD_HEAD.size, at + mcap.RECORD_HEAD.size + size
+            if op == mcap.CHUNK_INDEX:
                 records.append((start, size))
-            elif op == _SCHEMA_OP:
-                schemas.setdefault(*_schema(raw[start:end]))
-            elif op == _CHANNEL_OP:
-                channels.setdefault(int.from_bytes(raw[start : start + 2], "little"), BytesIO(raw[start + 2 : end]))
+            elif op == mcap.SCHEMA:
+                schemas.setdefault(*mcap.parse_schema(raw[start:end]))
+            elif op == mcap.CHANNEL:
+                channels.setdefault(*mcap.parse_channel(raw[start:end]))
             else:
                 rest += raw[at:end]
             at = end
         self.index = _chunks_from(raw, records)
         self._name(schemas, channels)
-        self.bio, self.data_end = BytesIO(bytes(rest) + bytes([_FOOTER_OP])), 0
+        self.bio, self.data_end = BytesIO(bytes(rest) + bytes([mcap.FOOTER])), 0
         try:
             super().read_index()
         finally:
@@ -190,20 +181,17 @@ class IndexedMcapReader(McapReader):
         if self.statistics is None and len(self.index.starts):
             self.statistics = self._count()
 
-    def _name(self, schemas: dict[int, Schema], channels: dict[int, BytesIO]) -> None:
+    def _name(self, schemas: dict[int, mcap.McapSchema], channels: dict[int, mcap.McapChannel]) -> None:
         """Note the channels, with schemas in any language; rosbags knows the languages of ROS 2 only."""
-        self.schemas.update(schemas or ({0: _NO_SCHEMA} if channels else {}))
-        for number, record in channels.items():
-            (schema_id,) = _SHORT.unpack(record.read(2))
-            topic, encoding = read_string(record), read_string(record)
-            about = _used_metadata(read_bytes(record))
-            missing = _NO_SCHEMA if schema_id == 0 else _NO_SCHEMA._replace(name=SCHEMALESS)
-            schema = schemas.get(schema_id, missing)
-            text = definition_text(schema.encoding, schema.name, schema.data)
-            self.named[number] = Channel(number, topic, full_type(schema.name), encoding, text, 0, (), about)
+        known = schemas or ({0: mcap.McapSchema()} if channels else {})
+        self.schemas.update({number: Schema(number, *schema) for number, schema in known.items()})
+        for number, channel in channels.items():
+            missing = mcap.McapSchema("" if channel.schema == 0 else SCHEMALESS)
+            schema = schemas.get(channel.schema, missing)
+            self.named[number] = channel.with_schema(number, schema)
             nothing = MessageDefinition(MessageDefinitionFormat.NONE, "")
-            extra = ConnectionExtRosbag2(encoding, [])
-            self.connections.append(Connection(number, topic, schema.name, nothing, "", 0, extra, self))
+            extra = ConnectionExtRosbag2(channel.encoding, [])
+            self.connections.append(Connection(number, channel.topic, schema.name, nothing, "", 0, extra, self))
 
     def meta_scan(self) -> None:
         """Read the whole file if that is allowed, and needed because the file has no index."""
@@ -262,25 +250,6 @@ _SUMMARY_OPS = frozenset((2, 3, 4, 8, 10, 11, 13, 14, 15))
 """The types of records that a summary, or the footer after an empty one, begins with."""
 
 
-def _schema(record: bytes) -> tuple[int, Schema]:
-    """Return a schema with its number. The text of protobuf is bytes, in base64."""
-    (number,) = _SHORT.unpack(record[:2])
-    rest = BytesIO(record[2:])
-    name, encoding, data = read_string(rest), read_string(rest), read_bytes(rest)
-    text = b64encode(data).decode() if encoding == "protobuf" else data.decode("utf-8", errors="replace")
-    return number, Schema(number, name, encoding, text)
-
-
-def _used_metadata(record: bytes) -> tuple[tuple[str, str], ...]:
-    """Return `Channel.metadata` from the map of a channel."""
-    pairs, rest = [], BytesIO(record)
-    while rest.tell() < len(record):
-        name, value = read_string(rest), read_string(rest)
-        if name in USED_METADATA:
-            pairs.append((name, value))
-    return tuple(pairs)
-
-
 def _push(opened: list[tuple[int, int, Iterator[Msg], Msg]], messages: Iterator[Msg]) -> None:
     """Add the next message of a chunk, by its time and the offset of its chunk."""
     message = next(messages, None)
@@ -316,7 +285,7 @@ def _chunks_from(raw: bytes, records: list[tuple[int, int]]) -> Chunks:
     stops = (offsets + lengths + index_lengths)[places[0]]
     follows = places[0, 1:] == places[0, :-1]
     stops[:-1][follows] = places[2, 1:][follows]
-    counts = (stops - places[2] - _INDEX_HEAD) // _ENTRY
+    counts = (stops - places[2] - mcap.INDEX_HEAD.size) // mcap.INDEX_ENTRY.itemsize
     by_channel = np.argsort(places[1].astype(np.uint16), kind="stable")
     by_channel = by_channel[counts[by_channel] != 0]
     found, cuts = np.unique(places[1, by_channel], return_index=True)

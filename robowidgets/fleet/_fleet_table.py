@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime, timedelta, timezone
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from ..recordings.columns.tables import RowType, frame_of, library, write_parquet
 from ..recordings.times import has_date
-from ..runtime.tables import Table
+from ..runtime.tables import HasTable
 from ..runtime.text import listed, many
 
 SHOWN = 20
@@ -36,7 +36,7 @@ def date_of(time_ns: int | None) -> datetime | None:
     return _EPOCH + timedelta(microseconds=time_ns // 1000)
 
 
-class FleetTable(ABC):
+class FleetTable(HasTable):
     """A table of many recordings. A recording that could not be read has a row with the reason as ``problem``.
 
     Args:
@@ -66,10 +66,6 @@ class FleetTable(ABC):
     def _rows(self) -> Iterator[Mapping[str, Any]]:
         """Return the values of each row, by column."""
 
-    @abstractmethod
-    def _table(self) -> Table:
-        """Return the table that is printed."""
-
     def to_pandas(self) -> Any:
         """Return a pandas DataFrame.
 
@@ -98,12 +94,6 @@ class FleetTable(ABC):
     def to_json(self) -> str:
         """Return JSON, a line for each row, without empty values."""
         return "\n".join(json.dumps({name: _plain(value) for name, value in row.items()}) for row in self._all())
-
-    def __repr__(self) -> str:
-        return self._table().to_text()
-
-    def _repr_html_(self) -> str:
-        return self._table().to_html()
 
     def _all(self) -> Iterator[Mapping[str, Any]]:
         yield from self._rows()

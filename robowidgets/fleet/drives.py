@@ -22,7 +22,7 @@ from ..recordings.search.seconds import NEAREST, NUMBERS, SECOND, SecondRows, Te
 from ..recordings.times import has_date
 from ..repair import RecordingError, natural
 from ..runtime.output_file import checked_output, whole_file
-from ..runtime.tables import Table
+from ..runtime.tables import HasTable, Table
 from ..runtime.text import many
 from ..speed.row import SPEED
 from ..touch.row import TOUCH
@@ -52,7 +52,7 @@ _ROWS = 100_000
 LATER = "not read before an interrupt: the same call continues"
 
 
-class Drives:
+class Drives(HasTable):
     """An index of recordings, written by `index`: a row for each second of each recording.
 
     The columns: ``file``, ``start_ns``, ``second`` from its start, and its ``date`` in UTC; ``nearest``, ``front``,
@@ -200,12 +200,6 @@ class Drives:
             ... # doctest: +SKIP
         """
         return DriveTable(self.files, names, at, how, executor, longest)
-
-    def __repr__(self) -> str:
-        return self._table().to_text()
-
-    def _repr_html_(self) -> str:
-        return self._table().to_html()
 
     def _table(self) -> Table:
         head = f"{self.path.name}: {many(len(self.files), 'recording')}, {many(self.dataset.count_rows(), 'row')}"

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from ..files import METADATA
-from ..files.remote import is_url, recordings_at
+from ..files.remote import is_url
 from ..recordings.search.base import Condition, condition
-from ..repair import RecordingError, find_files, is_carmen, is_finished, natural
+from ..repair import RecordingError, find_files, is_finished
 from ..runtime.clock import Clock, RealClock
 from ..runtime.output_file import checked_output
 from ..samples.checks import number
@@ -20,7 +20,7 @@ from ._engine import LONGEST
 from ._kept import RecordingState, states_of
 from .drives import LATER, Drives, index
 from .hits import Hits
-from .places import PathLike
+from .places import PathLike, named_places
 from .search import hits_of, search
 
 EVERY = 5.0
@@ -146,11 +146,12 @@ class _Looks:
     def look(self) -> tuple[list[str], list[str]]:
         """Return the recordings that have become ready since `done`, and the part of them that was never searched."""
         now = self.clock.now()
-        places = [place for text in self._paths for place in _places(text)]
-        states = states_of(dict.fromkeys(places))
+        named = (place for text in self._paths for place in named_places(text, _is_one))
+        places = dict.fromkeys(place.path for place in named if not place.problem)
+        states = states_of(places)
         self._seen = {path: self._seen.get(path, (state, now)) for path, state in states.items()}
         self.ready = []
-        for place in dict.fromkeys(places):
+        for place in places:
             path = str(place)
             before, since = self._seen[path]
             if before != states[path]:
@@ -179,37 +180,12 @@ def _is_whole(place: Path | str, state: RecordingState) -> bool:
         return False
 
 
-def _places(text: str) -> Iterator[Path | str]:
-    """Yield the recordings in a place. No file is opened, as it may be under way."""
-    if is_url(text):
-        yield from (path for path, problem in recordings_at(text) if not problem)
-        return
-    path = Path(os.path.abspath(Path(text).expanduser()))
-    if path.is_dir():
-        yield from _within(path)
-    elif path.exists():
-        yield path.parent if path.name == METADATA else path
-    elif glob.has_magic(text):
-        for match in sorted(glob.glob(str(path), recursive=True), key=natural):
-            yield from _places(match)
-
-
-def _within(folder: Path) -> Iterator[Path]:
-    try:
-        inside = sorted(folder.iterdir(), key=lambda path: natural(path.name))
-        files = find_files(folder)
-    except OSError:  # it is gone, or not ours to read
-        return
+def _is_one(folder: Path) -> bool:
+    """Return True if a folder is one recording. No file is opened, as it may be under way."""
+    files = find_files(folder)
     part = re.compile(rf"{re.escape(folder.name)}_\d+\.")
     # rosbag2 writes the metadata of a folder last.
-    if files and ((folder / METADATA).exists() or all(part.match(file.name) for file in files)):
-        yield folder
-        return
-    yield from files
-    yield from filter(is_carmen, inside)
-    for path in inside:
-        if path.is_dir() and not path.is_symlink() and not path.name.startswith("."):
-            yield from _within(path)
+    return bool(files) and ((folder / METADATA).exists() or all(part.match(file.name) for file in files))
 
 
 def _known(path: Path) -> set[str | None]:

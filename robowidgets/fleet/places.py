@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import starmap
 from pathlib import Path
 from typing import NamedTuple
 
-from ..files import is_one_recording
+from ..files import METADATA, is_one_recording
 from ..files.remote import is_url, recordings_at
 from ..repair import find_files, is_carmen, natural
 
@@ -38,7 +38,7 @@ def places_of(paths: Iterable[PathLike]) -> list[NamedPath]:
     for path in paths:
         if not isinstance(path, (str, os.PathLike)):
             raise TypeError(f"expected the path of a recording, a folder or a pattern, got {path!r}")
-        for place in _named(os.fspath(path)):
+        for place in named_places(os.fspath(path)):
             found.setdefault(_real(place.path), place)
     if not found:
         raise ValueError("expected files, folders or patterns of recordings, got none")
@@ -51,30 +51,31 @@ def the_only(paths: Iterable[PathLike]) -> Path | str | None:
     return places[0].path if len(places) == 1 else None
 
 
-def _named(text: str) -> Iterator[NamedPath]:
+def named_places(text: str, is_one: Callable[[Path], bool] = is_one_recording) -> Iterator[NamedPath]:
+    """Yield the recordings that a path, pattern or URL names; ``is_one`` returns True if a folder is one recording."""
     if is_url(text):
         yield from starmap(NamedPath, recordings_at(text))
         return
     path = Path(os.path.abspath(Path(text).expanduser()))
     if path.is_dir():
-        there = list(_within(path))
+        there = list(_within(path, is_one))
         yield from there or [NamedPath(path, "no recording in this folder")]
     elif path.exists():
-        yield NamedPath(path.parent if path.name == "metadata.yaml" else path)
+        yield NamedPath(path.parent if path.name == METADATA else path)
     elif glob.has_magic(text):
         matches = sorted(glob.glob(str(path), recursive=True), key=natural)
         for match in matches:
-            yield from _named(match)
+            yield from named_places(match, is_one)
         if not matches:
             yield NamedPath(path, "nothing matches this pattern")
     else:
         yield NamedPath(path, "no such file or folder")
 
 
-def _within(folder: Path) -> Iterator[NamedPath]:
+def _within(folder: Path, is_one: Callable[[Path], bool]) -> Iterator[NamedPath]:
     """Yield the recordings in a folder; links to other folders are not followed."""
     try:
-        if is_one_recording(folder):
+        if is_one(folder):
             yield NamedPath(folder)
             return
         inside = sorted(folder.iterdir(), key=lambda path: natural(path.name))
@@ -84,7 +85,7 @@ def _within(folder: Path) -> Iterator[NamedPath]:
         return
     for path in inside:
         if path.is_dir() and not path.is_symlink() and not path.name.startswith("."):
-            yield from _within(path)
+            yield from _within(path, is_one)
 
 
 def _real(path: Path | str) -> Path | str:

@@ -1,18 +1,7 @@
-import { decodeMessage, type Packed } from "./message/frame.ts";
-import type { MessageTraits } from "./message/traits.ts";
+import { decodeMessage } from "./message/frame.ts";
 import { MessageView } from "./message/view.ts";
-import type { Initialized, Rendered } from "./shared/model.ts";
+import { perModel } from "./shared/per_model.ts";
 import { Stream } from "./shared/stream.ts";
 
-/** Called once per model, so that its views share one stream. */
-export default () => {
-  let stream: Stream<Packed>;
-  return {
-    initialize({ model, signal }: Initialized<MessageTraits>) {
-      stream = new Stream(model, decodeMessage, signal);
-    },
-    render({ model, el, signal }: Rendered<MessageTraits>) {
-      new MessageView(model, el, stream, signal);
-    },
-  };
-};
+/** Its views share one stream. */
+export default perModel(MessageView, (model, signal) => [new Stream(model, decodeMessage, signal)]);

@@ -32,8 +32,7 @@ from .placing import Floats, Placed, by_plane, place, poses_in, world_of, worlds
 MOST_POSES = 200_000
 """The maximum number of poses of a path; of more, evenly chosen ones."""
 
-
-MOST_POSES = 30_000
+MOST_READ = 30_000
 """The approximate maximum number of messages that are read of a layer with a path; of more, evenly chosen ones."""
 
 MOST_TRANSFORMS = 100_000
@@ -210,7 +209,7 @@ class WholeMap:
         for name in self.names:
             rows = self._rows[name] = []
             step = max(1, -(-self._counts[name] // MOST_GRIDS))
-            every = max(1, -(-self._counts[name] // MOST_POSES))
+            every = max(1, -(-self._counts[name] // MOST_READ))
             for i, moment in enumerate(recording.thinned_messages(name, every)):
                 if i % step and name in self.grids:
                     continue

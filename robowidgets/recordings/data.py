@@ -17,7 +17,7 @@ from ..files.remote import is_url, opened, opened_here
 from ..kinds import KINDS, add_installed, kind_of_class
 from ..poses.places import WITHIN, Places, to_place
 from ..repair import RecordingError, Source
-from ..runtime.tables import Table
+from ..runtime.tables import HasTable, Table
 from ..runtime.text import megabytes
 from ..samples import Mount, Problem, Scan, Speed, Touch
 from ..samples.checks import not_negative
@@ -62,7 +62,7 @@ _CLOCKS = "check sensor, cable and network; set the clock before recording start
 AnySeries = TypeVar("AnySeries", Scans, Speeds, Touches)
 
 
-class RecordingData:
+class RecordingData(HasTable):
     """The topics of a recording and their samples, without any widget.
 
     Printed, it is a table of its topics. As a context manager it closes the file. One thread at a time may read it.
@@ -645,12 +645,6 @@ class RecordingData:
 
     def __iter__(self) -> Iterator[Moment]:
         return self.samples()
-
-    def __repr__(self) -> str:
-        return self.info()
-
-    def _repr_html_(self) -> str:
-        return self._table().to_html()
 
     def _table(self) -> Table:
         self.check_topics()

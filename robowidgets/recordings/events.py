@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..kinds import kind_of_class
 from ..messages.event import REPEATED_TYPES, SAID_TYPES, EventReader
-from ..runtime.tables import Table
+from ..runtime.tables import HasTable, Table
 from ..runtime.text import many
 from ..samples import Touch
 from ..samples.event import Event, Level
@@ -39,7 +39,7 @@ class RecordedEvent(NamedTuple):
     stamp_ns: int
 
 
-class Events(Columns, Sequence[RecordedEvent]):
+class Events(HasTable, Columns, Sequence[RecordedEvent]):
     """A table of events. Printed, it shows the first ones.
 
     Args:
@@ -86,12 +86,6 @@ class Events(Columns, Sequence[RecordedEvent]):
 
     def __iter__(self) -> Iterator[RecordedEvent]:
         return iter(self._events)
-
-    def __repr__(self) -> str:
-        return self._table().to_text()
-
-    def _repr_html_(self) -> str:
-        return self._table().to_html()
 
     def _table(self) -> Table:
         rows = [

@@ -6,7 +6,6 @@ whatever lengths it claims. `Source.problems` lists the repairs; `write.write` w
 
 from ._carmen import is_carmen
 from ._clock import JITTER_NS, LEAP_NS, REAL_FROM_NS, RESET_NS, Arrivals, has_clock_step, joined, may_precede_clock
-from ._mcap import USED_METADATA
 from ._open import SUFFIX, find_files, is_being_written, is_finished, natural, open_repaired
 from ._sqlite import files_beside, is_cut
 from .source import Message, RecordingError, RemoteError, Source
@@ -17,7 +16,6 @@ __all__ = [
     "REAL_FROM_NS",
     "RESET_NS",
     "SUFFIX",
-    "USED_METADATA",
     "Arrivals",
     "Message",
     "RecordingError",

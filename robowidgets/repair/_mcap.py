@@ -4,31 +4,25 @@ from __future__ import annotations
 
 import re
 import struct
-from base64 import b64encode
 from binascii import crc32
 from pathlib import Path
-from typing import NamedTuple
 
-from ..messages.channel import Channel, definition_text, full_type
+from ..messages.channel import Channel
+from . import mcap_records as mcap
 from ._byte_range import ByteRange, find
 from ._found_messages import Damage, Walk
 from ._record_reader import MAX_TEXT, Record, RecordReader
 from ._report import HEAD, foreign
 
-MAGIC = b"\x89MCAP0\r\n"
-_FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK = range(2, 7)
 # The least number of bytes in a record of each op, 0x01 (header) to 0x0F (end of data).
 _LEAST = dict(enumerate((8, 20, 14, 16, 22, 40, 6, 68, 36, 40, 46, 8, 20, 17, 4), start=1))
 _PRIVATE = 0x80
-_HEAD = struct.Struct("<BQ")
 _MESSAGE_HEAD = struct.Struct("<HIQQ")
 _CHUNK_HEAD = struct.Struct("<QQQII")
 _MAX_COMPRESSION = 16
 _RECORD = re.compile(rb"(?=[\x01-\x0f].{4}\0{4})", re.DOTALL)
 _IN_A_ROW = 3
 _READ_AT_ONCE = 1 << 20
-USED_METADATA = ("offered_qos_profiles", "latching")
-"""The names of `Channel.metadata`."""
 
 
 def walk_mcap(path: Path) -> Walk:
@@ -41,81 +35,62 @@ def walk_mcap(path: Path) -> Walk:
 
     Raises:
         RecordingError: the file cannot be opened, or is not an MCAP file.
-
-    Source: https://mcap.dev/spec
     """
     return _Reader(path).walk()
-
-
-class _Schema(NamedTuple):
-    name: str
-    encoding: str
-    text: str
-
-
-class _NamedChannel(NamedTuple):
-    schema: int
-    topic: str
-    encoding: str
-    metadata: tuple[tuple[str, str], ...]
 
 
 class _Reader(RecordReader):
     """One walk through an MCAP file."""
 
-    magic = MAGIC
-    last_op = _FOOTER
+    magic = mcap.MAGIC
+    last_op = mcap.FOOTER
     index_ops = frozenset((0x07, 0x08, 0x0A, 0x0B, 0x0D, 0x0E))
-    inner_ops = frozenset((_SCHEMA, _CHANNEL, _MESSAGE))
-    chunk_op = _CHUNK
+    inner_ops = frozenset((mcap.SCHEMA, mcap.CHANNEL, mcap.MESSAGE))
+    chunk_op = mcap.CHUNK
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
-        self.schemas: dict[int, _Schema] = {}
-        self.named: dict[int, _NamedChannel] = {}
+        self.schemas: dict[int, mcap.McapSchema] = {}
+        self.named: dict[int, mcap.McapChannel] = {}
 
     def check(self) -> None:
         """See `RecordReader`."""
         head = self.file.read(0, HEAD)
-        if not head.startswith(MAGIC):
+        if not head.startswith(mcap.MAGIC):
             raise foreign(self.file.name, "an MCAP file", head)
 
     def channels(self) -> list[Channel]:
         """Return the channels with their schemas. A schema may lie anywhere in the file, even after its channel."""
-        channels = []
-        for number, (schema_id, topic, encoding, metadata) in self.named.items():
-            schema = self.schemas.get(schema_id, _Schema("", "", ""))
-            about = tuple((name, value) for name, value in metadata if name in USED_METADATA)
-            channels.append(Channel(number, topic, full_type(schema.name), encoding, schema.text, 0, (), about))
-        return channels
+        none = mcap.McapSchema()
+        return [one.with_schema(number, self.schemas.get(one.schema, none)) for number, one in self.named.items()]
 
     def record(self, data: ByteRange, record: Record, chunk: int, damage: Damage) -> None:
         """Index a record of the file (chunk -1) or of a chunk."""
-        if record.op == _MESSAGE and record.whole:
+        if record.op == mcap.MESSAGE and record.whole:
             self.message(data, record, chunk, damage)
-        elif record.op in (_SCHEMA, _CHANNEL):
+        elif record.op in (mcap.SCHEMA, mcap.CHANNEL):
             self.name(data, record, damage)
-        elif record.op == _CHUNK and chunk < 0:
+        elif record.op == mcap.CHUNK and chunk < 0:
             self.chunk(record)
-        elif record.op == _FOOTER:
+        elif record.op == mcap.FOOTER:
             damage.unfinished = False
 
     def record_at(self, data: ByteRange, pos: int) -> Record | None:
         """See `RecordReader`."""
-        head = data.read(pos, _HEAD.size)
-        if len(head) < _HEAD.size:
+        head = data.read(pos, mcap.RECORD_HEAD.size)
+        if len(head) < mcap.RECORD_HEAD.size:
             return None
-        op, size = _HEAD.unpack(head)
+        op, size = mcap.RECORD_HEAD.unpack(head)
         if size < _LEAST.get(op, 0) or (op not in _LEAST and op < _PRIVATE):
             return None
-        body = pos + _HEAD.size
-        if op == _CHUNK:
+        body = pos + mcap.RECORD_HEAD.size
+        if op == mcap.CHUNK:
             return _chunk_at(data, pos, body + size)
         return Record(op, pos, body, body + size) if body + size <= data.size else None
 
     def next_record(self, data: ByteRange, start: int, barred: frozenset[int]) -> int | None:
         """See `RecordReader`: other records follow without a gap, or the record ends the file."""
-        for pos in find(data, _RECORD, _HEAD.size, start):
+        for pos in find(data, _RECORD, mcap.RECORD_HEAD.size, start):
             if data.read(pos, 1)[0] not in barred and self.is_chain(data, pos):
                 return pos
         return None
@@ -126,7 +101,7 @@ class _Reader(RecordReader):
             record = self.record_at(data, pos)
             if not record:
                 return False
-            if record.op == _FOOTER or record.end >= data.size:
+            if record.op == mcap.FOOTER or record.end >= data.size:
                 return True
             pos = record.end
         return True
@@ -145,18 +120,10 @@ class _Reader(RecordReader):
         """Add a schema or a channel; a second one with the same id is ignored."""
         raw = data.read(record.body, min(record.end - record.body, MAX_TEXT))
         try:
-            if record.op == _SCHEMA:
-                (number,) = struct.unpack_from("<H", raw)
-                name, encoding, text = _strings(raw[2:], 3)
-                if encoding == "protobuf":  # bytes, not text
-                    text = b64encode(_values(raw[2:], 3)[-1]).decode()
-                schema = _Schema(name, encoding, definition_text(encoding, name, text))
-                self.schemas.setdefault(number, schema)
+            if record.op == mcap.SCHEMA:
+                self.schemas.setdefault(*mcap.parse_schema(raw))
             else:
-                number, schema_id = struct.unpack_from("<HH", raw)
-                names = _values(raw[4:], 2)
-                metadata = _pairs(raw[4 + sum(4 + len(one) for one in names) :])
-                self.named.setdefault(number, _NamedChannel(schema_id, _text(names[0]), _text(names[1]), metadata))
+                self.named.setdefault(*mcap.parse_channel(raw))
         except struct.error:
             damage.places += 1
 
@@ -185,8 +152,8 @@ class _Reader(RecordReader):
 
 def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
     """Return the chunk at an offset if its lengths agree or all of its data is in the file, else None."""
-    body = pos + _HEAD.size + _CHUNK_HEAD.size
-    head = data.read(pos + _HEAD.size, _CHUNK_HEAD.size)
+    body = pos + mcap.RECORD_HEAD.size + _CHUNK_HEAD.size
+    head = data.read(pos + mcap.RECORD_HEAD.size, _CHUNK_HEAD.size)
     if len(head) < _CHUNK_HEAD.size:
         return None
     _, _, _, checksum, length = _CHUNK_HEAD.unpack(head)
@@ -199,39 +166,4 @@ def _chunk_at(data: ByteRange, pos: int, outer_end: int) -> Record | None:
     if len(size) < 8 or not compression.isascii() or (end != outer_end and end > data.size):
         return None
     fields = {"compression": compression, "checksum": checksum.to_bytes(4, "little"), "size": size}
-    return Record(_CHUNK, pos, body, end if compression else body, fields)
-
-
-def _strings(raw: bytes, count: int) -> list[str]:
-    """Return the first strings of a record; raise struct.error if some are missing."""
-    return [_text(value) for value in _values(raw, count)]
-
-
-def _text(raw: bytes) -> str:
-    return raw.decode("utf-8", errors="replace")
-
-
-def _pairs(raw: bytes) -> tuple[tuple[str, str], ...]:
-    """Return the names and values of a map, or none if it is damaged: messages can be read without it."""
-    size = int.from_bytes(raw[:4], "little")
-    pairs: list[tuple[str, str]] = []
-    pos, end = 4, 4 + size
-    while pos < end <= len(raw):
-        try:
-            name, value = values = _values(raw[pos:end], 2)
-        except struct.error:
-            return ()
-        pairs.append((_text(name), _text(value)))
-        pos += sum(4 + len(one) for one in values)
-    return tuple(pairs)
-
-
-def _values(raw: bytes, count: int) -> list[bytes]:
-    """Return the first strings of a record as bytes; raise struct.error if some are missing."""
-    values: list[bytes] = []
-    pos = 0
-    for _ in range(count):
-        (size,) = struct.unpack_from("<I", raw, pos)
-        values += struct.unpack_from(f"{size}s", raw, pos + 4)
-        pos += 4 + size
-    return values
+    return Record(mcap.CHUNK, pos, body, end if compression else body, fields)

@@ -17,6 +17,7 @@ from ._carmen import walk_carmen
 from ._found_messages import Walk
 from ._indexed import IndexedSource
 from ._report import HEAD, damage_lines, foreign
+from .mcap_records import MAGIC
 from .source import RecordingError
 
 _WALKS: dict[str, Callable[[Path], Walk]] = {
@@ -24,7 +25,7 @@ _WALKS: dict[str, Callable[[Path], Walk]] = {
     ".db3": _sqlite.walk_sqlite,
     ".mcap": _mcap.walk_mcap,
 }
-_MAGICS = {b"#ROS": ".bag", _sqlite.MAGIC: ".db3", _mcap.MAGIC: ".mcap"}
+_MAGICS = {b"#ROS": ".bag", _sqlite.MAGIC: ".db3", MAGIC: ".mcap"}
 _ZSTD_SUFFIXES = (".zstd", ".zst")
 SUFFIX = re.compile(r"(?<=.)\.(bag|db3|mcap)(\.active|\.zstd?)?$", re.IGNORECASE)
 """Suffixes of recordings. A recorder that was killed leaves a bag as ``drive.bag.active``."""
@@ -93,10 +94,10 @@ def is_finished(path: Path) -> bool:
         return False
     with path.open("rb") as file:
         head = file.read(HEAD)
-        file.seek(-min(size, len(_mcap.MAGIC)), os.SEEK_END)
+        file.seek(-min(size, len(MAGIC)), os.SEEK_END)
         tail = file.read()
-    if head.startswith(_mcap.MAGIC):
-        return size > len(_mcap.MAGIC) and tail == _mcap.MAGIC
+    if head.startswith(MAGIC):
+        return size > len(MAGIC) and tail == MAGIC
     if head.startswith(_bag.MAGIC):
         return 0 < _bag.index_in(head) < size
     return not (head.startswith(_sqlite.MAGIC) and _sqlite.is_cut(path))

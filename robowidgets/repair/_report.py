@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from ..runtime.text import many
 from ._found_messages import Damage, Walk
+from .mcap_records import MAGIC
 from .source import RecordingError
 
 _FORMATS = {
     b"#ROSBAG V": "a ROS 1 bag",
-    b"\x89MCAP0\r\n": "an MCAP file",
+    MAGIC: "an MCAP file",
     b"SQLite format 3\0": "an SQLite database (a rosbag2 .db3)",
     b"\x28\xb5\x2f\xfd": "zstd data",
     b"\x1f\x8b": "gzip data",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
@@ -68,6 +69,20 @@ class Table:
                 styles[i] += f";{_BEHIND.format(100 * lengths[row])}"
         both = zip(styles, cells, strict=True)
         return "".join(f'<{tag} style="{style}">{escape(cell)}</{tag}>' for style, cell in both)
+
+
+class HasTable(ABC):
+    """An object that is shown as a table, in a terminal and in a notebook."""
+
+    def __repr__(self) -> str:
+        return self._table().to_text()
+
+    def _repr_html_(self) -> str:
+        return self._table().to_html()
+
+    @abstractmethod
+    def _table(self) -> Table:
+        """Return the table."""
 
 
 _BEHIND = "background:linear-gradient(to right,rgba(128,128,128,.3) {0:.0f}%,transparent {0:.0f}%)"

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from ..simulator import Robot
     from ..simulator.offers import Offer
     from ..speed_widget import SpeedWidget
-    from .frames import SpeedFrames
     from .rerun_log import SpeedLog
 
 
@@ -33,12 +32,6 @@ def _columns() -> type[Speeds]:
     from ..recordings.columns.speeds import Speeds
 
     return Speeds
-
-
-def _frames() -> type[SpeedFrames]:
-    from .frames import SpeedFrames
-
-    return SpeedFrames
 
 
 def _rerun() -> type[SpeedLog]:
@@ -81,7 +74,6 @@ SPEED = Kind(
     nothing=Speed((nan, nan, nan), (nan, nan, nan)),
     has_shape=_has_twist,
     columns=_columns,
-    frames=_frames,
     rerun=_rerun,
     roles=(
         Role(name="measured"),

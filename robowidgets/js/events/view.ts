@@ -42,7 +42,7 @@ export class EventsView {
   readonly #list: List;
   readonly #empty = make("div", "rw-empty");
   readonly #level = make("select", "rw-button rw-events-level");
-  readonly #words = make("input", "rw-events-words");
+  readonly #words = make("input", "rw-field rw-events-words");
   readonly #errors = make("b", "rw-events-errors");
   readonly #warnings = make("b", "rw-events-warnings");
   readonly #others = make("span", "");

@@ -1,3 +1,4 @@
+import { make } from "../shared/dom.ts";
 import type { Host } from "../shared/model.ts";
 import type { PageModel } from "./model.ts";
 
@@ -12,20 +13,25 @@ export const FOREVER: AbortSignal = new AbortController().signal;
 
 const PREFIX = "anywidget:";
 
-/** The reference by which a host knows a model. */
-export function toReference(id: string): string {
-  return `${PREFIX}${id}`;
-}
-
-/** The host of a page without a kernel, as anywidget hands it to widgets that hold others. */
-export function makeHost(models: Map<string, PageModel>, scripts: Map<string, Script>): Host {
+/** Initializes the widgets of a page without a kernel, and shows one of them in a new element. */
+export async function showWidget(
+  id: string,
+  models: Map<string, PageModel>,
+  scripts: Map<string, Script>,
+  place: ParentNode,
+  signal: AbortSignal,
+): Promise<void> {
+  // All models exist before the first is initialized: a player moves the others.
+  for (const [one, model] of models) scripts.get(one)?.initialize?.({ model, signal });
   const host: Host = {
     async getWidget(reference) {
-      const id = reference.slice(PREFIX.length);
-      const [model, script] = [models.get(id), scripts.get(id)];
+      const one = reference.slice(PREFIX.length);
+      const [model, script] = [models.get(one), scripts.get(one)];
       if (!model || !script) throw new Error(`${reference} is not in this page`);
       return { render: ({ el, signal }) => script.render({ model, el, host, signal }) };
     },
   };
-  return host;
+  const item = make("div", "rw-page-item");
+  place.append(item);
+  (await host.getWidget(`${PREFIX}${id}`)).render({ el: item, signal });
 }

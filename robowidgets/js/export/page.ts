@@ -4,7 +4,7 @@ import { make } from "../shared/dom.ts";
 import { linkFor, offerLinks } from "../shared/link.ts";
 import { hasTable, toCsv } from "./csv.ts";
 import { Feed, Segments } from "./feed.ts";
-import { FOREVER, makeHost, type Script, toReference } from "./host.ts";
+import { FOREVER, type Script, showWidget } from "./host.ts";
 import { PageModel } from "./model.ts";
 import { momentOf, type Named, parseMoment, showMoment, toHash } from "./moment.ts";
 import { explain, findParts, readPart } from "./parts.ts";
@@ -91,11 +91,7 @@ async function show(
   const packed = parts.reduce((sum, { textContent }) => sum + (textContent?.length ?? 0), 0);
   player?.set("_unpacking", Math.round((packed * 3) / 4));
   onModels(toNamed(facts, models));
-  // All models exist before the first is initialised: a player moves the others.
-  for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal });
-  const item = make("div", "rw-page-item");
-  place.append(item);
-  (await makeHost(models, scripts).getWidget(toReference(facts.root))).render({ el: item, signal });
+  await showWidget(facts.root, models, scripts, place, signal);
   if (player) play(facts, models, player, parts).catch((error) => explain(`This page cannot be played: ${error}`));
   return { facts, models };
 }

@@ -8,7 +8,7 @@ const MOST = 50;
 export class Adder {
   readonly button: HTMLButtonElement;
   readonly panel = make("div", "rw-plot-adder");
-  readonly #input = make("input", "rw-plot-find");
+  readonly #input = make("input", "rw-field rw-plot-find");
   readonly #list = make("div", "rw-plot-choices");
   readonly #add: (name: string) => void;
   readonly #signal: AbortSignal;

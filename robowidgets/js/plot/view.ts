@@ -56,7 +56,7 @@ export class PlotView {
   readonly #adder: Adder;
   readonly #over: HTMLButtonElement;
   readonly #shift = make("label", "rw-plot-shift");
-  readonly #seconds = make("input", "");
+  readonly #seconds = make("input", "rw-field");
   readonly #empty = make("div", "rw-empty");
   readonly #span = make("span", "");
   readonly #fact = make("span", "");

@@ -69,7 +69,7 @@ class Row {
     this.#set = set;
     this.#input.type = kind;
     this.#input.ariaLabel = name;
-    this.#input.className = kind === "range" ? "rw-slider" : "rw-variable-field";
+    this.#input.className = kind === "range" ? "rw-slider" : `rw-variable-field${kind === "number" ? " rw-field" : ""}`;
     if (kind === "checkbox") this.#input.role = "switch";
     const track = make("span", "rw-variable-track");
     track.append(this.#tick, this.#input);

@@ -19,7 +19,6 @@ import { followTheme } from "../shared/theme.ts";
 import { Changes, isField, isUndo, keepChange } from "../shared/undo.ts";
 import type { Cards } from "./traits.ts";
 import {
-  type Edge,
   edgeAt,
   edgeBox,
   fromBoxes,
@@ -61,6 +60,7 @@ const GLIDE_MS = 120;
 const PLACE = "\0";
 
 type Boxes = Map<string, Box>;
+type PlacedEdge = NonNullable<ReturnType<typeof edgeBox>>;
 
 /** Lets the user arrange the cards of a screen by pointer and keys, undo that, and show one of them in full screen. */
 export class Arranger {
@@ -304,16 +304,17 @@ export class Arranger {
     this.#showEdge(this.#edgeUnder(event));
   }
 
-  /** The edge at a pointer in the gap between two cards. */
-  #edgeUnder(event: PointerEvent): Edge | null {
+  /** The edge at a pointer in the gap between two cards, with its place on the screen. */
+  #edgeUnder(event: PointerEvent): PlacedEdge | null {
     const target = event.target instanceof Element ? event.target : null;
     if (this.#full || !target || target.closest(".rw-item")) return null;
     const boxes = this.#boxes();
     const tree = this.#now(boxes);
-    return tree && edgeAt(tree, boxes, pointIn(this.#view.root, event));
+    const edge = tree && edgeAt(tree, boxes, pointIn(this.#view.root, event));
+    return tree && edge && edgeBox(tree, edge, boxes);
   }
 
-  #showEdge(edge: Edge | null): void {
+  #showEdge(edge: PlacedEdge | null): void {
     const { root } = this.#view;
     setHidden(this.#line, !edge);
     if (!edge) {
@@ -322,10 +323,7 @@ export class Arranger {
     }
     root.dataset.rwPoints = edge.way;
     this.#dress();
-    const boxes = this.#boxes();
-    const tree = this.#now(boxes);
-    const place = tree && edgeBox(tree, edge, boxes);
-    if (place) setBox(this.#line, place.line);
+    setBox(this.#line, edge.line);
   }
 
   /** Follows a pointer until it is released; Escape cancels. */
@@ -348,21 +346,19 @@ export class Arranger {
     return drag;
   }
 
-  #dragEdge(event: PointerEvent, edge: Edge): void {
+  #dragEdge(event: PointerEvent, edge: PlacedEdge): void {
     const { root, kindOf } = this.#view;
-    const boxes = this.#boxes();
-    const tree = this.#now(boxes);
-    const place = tree && edgeBox(tree, edge, boxes);
-    if (!place) return;
+    const { tree, sizes } = edge;
     event.preventDefault();
     root.focus({ preventScroll: true });
     root.dataset.rwDrags = edge.way;
     const from = pointIn(root, event);
     const onMove = ({ x, y }: Point) => {
       const by = edge.way === "row" ? x - from.x : y - from.y;
-      this.#preview = resized(tree, edge, by, place.sizes, kindOf);
+      const preview = resized(tree, edge, by, sizes, kindOf);
+      this.#preview = preview;
       this.#view.layOut();
-      this.#showEdge(edge);
+      this.#showEdge(edgeBox(preview, edge, this.#boxes()));
     };
     const onEnd = (isKept: boolean) => {
       const preview = this.#preview;

@@ -388,8 +388,9 @@ export function edgeAt(tree: Part, boxes: ReadonlyMap<string, Box>, point: Point
   return null;
 }
 
-/** The line of an edge on the screen, and the sizes of all parts along its split. */
-export function edgeBox(tree: Part, { path, index, way }: Edge, boxes: ReadonlyMap<string, Box>) {
+/** An edge with its arrangement, its line on the screen, and the sizes of all parts along its split. */
+export function edgeBox(tree: Part, edge: Edge, boxes: ReadonlyMap<string, Box>) {
+  const { path, index, way } = edge;
   const parts = partsOf(at(tree, path));
   const all = parts.map((part) => boxOf(part, boxes) ?? { x: 0, y: 0, width: 0, height: 0 });
   const around = boxOf({ row: parts }, boxes) ?? { x: 0, y: 0, width: 0, height: 0 };
@@ -399,7 +400,7 @@ export function edgeBox(tree: Part, { path, index, way }: Edge, boxes: ReadonlyM
     way === "row"
       ? { x: (one.x + one.width + next.x) / 2 - 1.5, y: around.y, width: 3, height: around.height }
       : { x: around.x, y: (one.y + one.height + next.y) / 2 - 1.5, width: around.width, height: 3 };
-  return { line, sizes: all.map((box) => (way === "row" ? box.width : box.height)) };
+  return { ...edge, tree, line, sizes: all.map((box) => (way === "row" ? box.width : box.height)) };
 }
 
 /** The place for a card that is dragged to a point; null over itself, and far outside of the screen. */

@@ -11,7 +11,7 @@ interface Naming {
 export class NameRow {
   readonly root = make("span", "rw-naming");
   readonly #about = make("span", "rw-naming-about");
-  readonly #field = make("input", "");
+  readonly #field = make("input", "rw-field");
   readonly #known = make("datalist", "");
   readonly #remove: HTMLButtonElement;
   /** Elements that are in the page while the row is open. */

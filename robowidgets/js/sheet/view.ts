@@ -564,7 +564,7 @@ export class SheetView {
     const change = throttle(() => this.#setFilters(), 150, this.#signal);
     for (const { name, head, isNumber } of COLUMNS) {
       const label = make("label", "rw-sheet-filter", head);
-      const field = make("input", "");
+      const field = make("input", "rw-field");
       field.type = "search";
       field.placeholder = isNumber ? "< 0.2" : "any";
       field.title = isNumber ? 'A part of it, or "< 0.2", "0.1 to 0.2"' : "A part of it";

@@ -1,9 +1,8 @@
-import { FOREVER, makeHost, type Script, toReference } from "../export/host.ts";
+import { FOREVER, type Script, showWidget } from "../export/host.ts";
 import { momentOf, type Named, parseMoment, showMoment, toHash } from "../export/moment.ts";
 import { type PageFacts, toModels, toNamed } from "../export/page.ts";
 import { readPart } from "../export/parts.ts";
 import { explainWords } from "../later/glossary.ts";
-import { make } from "../shared/dom.ts";
 import { offerLinks } from "../shared/link.ts";
 
 /**
@@ -73,13 +72,11 @@ async function show(place: HTMLElement): Promise<void> {
     const script = made.get(widget) as Script | (() => Script);
     scripts.set(id, typeof script === "function" ? script() : script);
   }
-  for (const [id, model] of models) scripts.get(id)?.initialize?.({ model, signal: FOREVER });
   const root = place.attachShadow({ mode: "open" });
   const style = document.createElement("style");
   style.textContent = BOXES + css;
-  const item = make("div", "rw-page-item");
-  root.append(style, item);
-  (await makeHost(models, scripts).getWidget(toReference(facts.root))).render({ el: item, signal: FOREVER });
+  root.append(style);
+  await showWidget(facts.root, models, scripts, root, FOREVER);
 }
 
 /** Passes the reader's choice of the theme's colours on to the widgets. */
@@ -99,7 +96,7 @@ const seen = new IntersectionObserver(
       if (!isIntersecting) continue;
       seen.unobserve(target);
       show(target as HTMLElement).catch((error) => {
-        target.textContent = `This widget cannot be shown: ${error.message}`;
+        (target.shadowRoot ?? target).textContent = `This widget cannot be shown: ${error.message}`;
       });
     }
   },

@@ -77,7 +77,7 @@ export class TopicsView {
   readonly #when = make("span", "");
   readonly #wires: HTMLButtonElement;
   readonly #search: HTMLButtonElement;
-  readonly #filter = make("input", "rw-topics-filter");
+  readonly #filter = make("input", "rw-field rw-topics-filter");
   readonly #unit: HTMLButtonElement;
   readonly #body = make("div", "rw-topics-body");
   readonly #live = make("div", "rw-unseen");

@@ -34,7 +34,7 @@ export class WiresView {
   readonly #card: SampleCard;
   readonly #board = new Board();
   readonly #empty = make("div", "rw-empty");
-  readonly #filter = make("input", "rw-wires-filter");
+  readonly #filter = make("input", "rw-field rw-wires-filter");
   readonly #plumbing: HTMLButtonElement;
   readonly #foot = make("div", "rw-wires-foot");
   readonly #heading = make("div", "rw-wires-heading");

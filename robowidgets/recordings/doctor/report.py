@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...kinds import KINDS
 from ...messages.standard import LASER_SCAN, ODOMETRY, RANGE
 from ...poses.transforms import Transform
-from ...runtime.tables import Table
+from ...runtime.tables import HasTable, Table
 from ...runtime.text import listed, many, often
 from ...samples import Problem
 from ...samples.scan_problems import of_ranges
@@ -82,7 +82,7 @@ class TopicReport(NamedTuple):
     mount: str = ""
 
 
-class Report:
+class Report(HasTable):
     """A check-up of a recording. Printed, it is a table with a line for each problem.
 
     Args:
@@ -102,12 +102,6 @@ class Report:
             "topics": [_as_dict(topic) for topic in self.topics],
             "problems": [problem._asdict() for problem in self.problems],
         }
-
-    def __repr__(self) -> str:
-        return self._table().to_text()
-
-    def _repr_html_(self) -> str:
-        return self._table().to_html()
 
     def _table(self) -> Table:
         rows = [_cells(topic) for topic in self.topics]

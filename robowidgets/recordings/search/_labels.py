@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ...samples.verdict import Verdict
 from ..labels import to_name
 from ._steps import NO, YES, Steps, steps
-from .base import Condition
+from .base import UndecidedCondition
 
 if TYPE_CHECKING:
     from .. import RecordingData
     from ._search import Search
 
 
-class LabelCondition(Condition):
+class LabelCondition(UndecidedCondition):
     """The condition that a span has this label.
 
     Args:
@@ -23,6 +22,8 @@ class LabelCondition(Condition):
 
     is_lasting = False
     """False, because the labels can change while the recording stays the same: results are not stored."""
+
+    why = "only recordings have labels"
 
     def __init__(self, name: str | None) -> None:
         self._name = None if name is None else to_name(name)
@@ -45,15 +46,6 @@ class LabelCondition(Condition):
             end_ns = max(end_ns, one.end_ns)
         found += [] if end_ns is None else [(end_ns, NO)]
         return steps([at for at, _ in found], [value for _, value in found])
-
-    def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
-        """See `Condition`."""
-        raise TypeError(f"{self}: only recordings have labels, so only Recording.find finds them")
-
-    @property
-    def reads(self) -> frozenset[str]:
-        """See `Condition`."""
-        raise TypeError(f"{self}: only recordings have labels, so only Recording.find finds them")
 
     def __str__(self) -> str:
         return f"labelled {self._name!r}" if self._name else "labelled"

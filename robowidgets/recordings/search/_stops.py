@@ -16,11 +16,10 @@ from ...behaviors.version import to_rate
 from ...kinds import KINDS, kind_of_parameter
 from ...messages.decoding import one_line
 from ...samples.staleness import TO_DRIVE_BY, usual_step
-from ...samples.verdict import Verdict
 from ..odometry import odometry
 from ..topics import UnnamedTopicError, shown
 from ._steps import NO, UNKNOWN, YES, Steps, steps
-from .base import Condition, ConditionError
+from .base import ConditionError, UndecidedCondition
 from .instant import Instant, NoSampleYetError, Now, samples_of, together
 
 if TYPE_CHECKING:
@@ -30,13 +29,15 @@ if TYPE_CHECKING:
 _BAR_EVERY = 500
 
 
-class StopsCondition(Condition):
+class StopsCondition(UndecidedCondition):
     """The condition that a program tells the robot to stop, given the recorded samples.
 
     Args:
         program: a function or a class, or the program that a feed made of one.
         rate: steps per second.
     """
+
+    why = "a program is stepped through time"
 
     def __init__(self, program: Any, rate: float) -> None:
         own = program.version if isinstance(program, Program) else None
@@ -84,15 +85,6 @@ class StopsCondition(Condition):
         for time_ns in self._ticks(search, now, run, read, since_ns):
             is_old = any(now.seconds - now.seconds_of.get(topic, -np.inf) > most for topic, most in longest.items())
             yield time_ns, (time_ns - since_ns) / 1e9, None if is_old else samples
-
-    def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
-        """See `Condition`."""
-        raise TypeError(f"{self}: a program is stepped through time, so only Recording.find finds it")
-
-    @property
-    def reads(self) -> frozenset[str]:
-        """See `Condition`."""
-        raise TypeError(f"{self}: a program is stepped through time, so only Recording.find finds it")
 
     def __str__(self) -> str:
         return f"{self._name} stops"

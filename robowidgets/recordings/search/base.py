@@ -6,7 +6,7 @@ import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -358,17 +358,47 @@ def _code(value: bool | None) -> int:
     return UNKNOWN if value is None else YES if value else NO
 
 
-class _Joined(Condition):
-    def __init__(self, word: str, how: Callable[..., Any], *parts: Any) -> None:
-        self._word = word
-        self._how = how
-        self._parts = [condition(part) for part in parts]
+class UndecidedCondition(Condition):
+    """A condition on a whole recording, which no single moment decides."""
+
+    why: ClassVar[str] = "one moment does not decide it"
+    """The reason why a moment does not decide it."""
+
+    def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
+        """See `Condition`."""
+        raise self._undecided()
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """See `Condition`."""
+        raise self._undecided()
+
+    def _undecided(self) -> TypeError:
+        return TypeError(f"{self}: {self.why}, so only Recording.find finds it")
+
+
+class _OfParts(Condition):
+    def __init__(self, *parts: Condition) -> None:
+        self._part, self._parts = parts[0], parts
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:
         return [topic for part in self._parts for topic in part.topics(recording, asked)]
 
     def looked_at(self, search: Search) -> list[str]:
         return [topic for part in self._parts for topic in part.looked_at(search)]
+
+    def number(self, recording: RecordingData) -> Curve | None:
+        return next((one for part in self._parts if (one := part.number(recording))), None)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        return frozenset().union(*(part.reads for part in self._parts))
+
+
+class _Joined(_OfParts):
+    def __init__(self, word: str, how: Callable[..., Any], *parts: Any) -> None:
+        super().__init__(*map(condition, parts))
+        self._word, self._how = word, how
 
     def steps(self, search: Search) -> Steps:
         return combined([part.steps(search) for part in self._parts], self._how)
@@ -390,27 +420,11 @@ class _Joined(Condition):
     def of_moment(self) -> Condition:
         return _Joined(self._word, self._how, *(part.of_moment for part in self._parts))
 
-    def number(self, recording: RecordingData) -> Curve | None:
-        return next((one for part in self._parts if (one := part.number(recording))), None)
-
-    @property
-    def reads(self) -> frozenset[str]:
-        return frozenset().union(*(part.reads for part in self._parts))
-
     def __str__(self) -> str:
         return f"({self._word.join(map(str, self._parts))})"
 
 
-class _Not(Condition):
-    def __init__(self, part: Condition) -> None:
-        self._part = part
-
-    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
-        return self._part.topics(recording, asked)
-
-    def looked_at(self, search: Search) -> list[str]:
-        return self._part.looked_at(search)
-
+class _Not(_OfParts):
     def steps(self, search: Search) -> Steps:
         return inverted(self._part.steps(search))
 
@@ -422,13 +436,6 @@ class _Not(Condition):
         verdict = self._part.judge(moment)
         return Verdict(None if verdict.value is None else not verdict.value, verdict.text)
 
-    def number(self, recording: RecordingData) -> Curve | None:
-        return self._part.number(recording)
-
-    @property
-    def reads(self) -> frozenset[str]:
-        return self._part.reads
-
     def __str__(self) -> str:
         return f"~{self._part}"
 
@@ -437,29 +444,23 @@ class _Not(Condition):
         return _Not(self._part.of_moment)
 
 
-class _OfSpans(Condition):
-    """The condition that another one is true in some of its spans.
-
-    Args:
-        part: the other condition.
-    """
-
-    def __init__(self, part: Condition) -> None:
-        self._part = part
+class _OverTime(UndecidedCondition, _OfParts):
+    """The condition that the first of some others is true at times that depend on other times."""
 
     @property
     def of_moment(self) -> Condition:
         return self._part.of_moment
 
+    def possible(self, rows: SecondRows) -> Possible:
+        return Possible(self._part.possible(rows).true, np.ones(len(rows), bool))
+
+
+class _OfSpans(_OverTime):
+    """The condition that another one is true in some of its spans."""
+
     @abstractmethod
     def chosen(self, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return True for each span that counts, of its start and its end in nanoseconds, shape (N,) each."""
-
-    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
-        return self._part.topics(recording, asked)
-
-    def looked_at(self, search: Search) -> list[str]:
-        return self._part.looked_at(search)
 
     def steps(self, search: Search) -> Steps:
         part = self._part.steps(search)
@@ -471,19 +472,6 @@ class _OfSpans(Condition):
         place = np.searchsorted(found[:, 0], part.times, side="right") - 1
         values = np.where((part.values == YES) & ~is_chosen[place], NO, part.values)
         return Steps(part.times, values.astype(np.int8))
-
-    def possible(self, rows: SecondRows) -> Possible:
-        return Possible(self._part.possible(rows).true, np.ones(len(rows), bool))
-
-    def number(self, recording: RecordingData) -> Curve | None:
-        return self._part.number(recording)
-
-    def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
-        raise TypeError(f"{self}: one moment does not decide it, so only Recording.find finds it")
-
-    @property
-    def reads(self) -> frozenset[str]:
-        raise TypeError(f"{self}: one moment does not decide it, so only Recording.find finds it")
 
 
 class _ForLonger(_OfSpans):
@@ -526,19 +514,10 @@ class _First(_OfSpans):
         return f"{self._part} for the first time"
 
 
-class _Within(_OfSpans):
+class _Within(_OverTime):
     def __init__(self, part: Condition, seconds: float, after: Condition) -> None:
-        super().__init__(part)
+        super().__init__(part, after)
         self._seconds, self._after = seconds, after
-
-    def chosen(self, starts: NDArray[np.int64], ends: NDArray[np.int64]) -> NDArray[np.bool_]:  # noqa: ARG002
-        return np.ones(len(starts), bool)
-
-    def topics(self, recording: RecordingData, asked: Any) -> list[str]:
-        return [*self._part.topics(recording, asked), *self._after.topics(recording, asked)]
-
-    def looked_at(self, search: Search) -> list[str]:
-        return [*self._part.looked_at(search), *self._after.looked_at(search)]
 
     def steps(self, search: Search) -> Steps:
         part, after = self._part.steps(search), self._after.steps(search)

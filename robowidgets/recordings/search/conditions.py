@@ -33,7 +33,7 @@ from ._fields import Field
 from ._labels import LabelCondition
 from ._steps import NO, UNKNOWN, YES, Steps, combined, steps
 from ._stops import StopsCondition
-from .base import VALUES, Condition, Curve, FunctionCondition
+from .base import VALUES, Condition, Curve, FunctionCondition, UndecidedCondition
 from .instant import NoSampleYetError
 from .seconds import SPEEDS, Possible, SecondRows
 
@@ -383,7 +383,9 @@ class _SpeedAbove(_OfOneTopic):
         return f"{self._axis} above {self._limit:g} {self._unit}"
 
 
-class _Gap(Condition):
+class _Gap(UndecidedCondition):
+    why = "a gap lies between samples"
+
     def __init__(self, seconds: float, topic: str | None) -> None:
         self._seconds = number("seconds", seconds)
         if not 0 < self._seconds < inf:
@@ -400,13 +402,6 @@ class _Gap(Condition):
             return super().possible(rows)
         # NaN without topics to check. Slightly less, because the seconds of an index are rounded.
         return Possible(~(rows["gap"] <= self._seconds * (1 - 1e-9)), np.ones(len(rows), bool))
-
-    def judge(self, moment: Any) -> Verdict:  # noqa: ARG002
-        raise TypeError(f"{self}: a gap lies between samples, so only Recording.find finds it")
-
-    @property
-    def reads(self) -> frozenset[str]:
-        raise TypeError(f"{self}: a gap lies between samples, so only Recording.find finds it")
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:  # noqa: ARG002
         if self._topic is not None:

@@ -25,7 +25,7 @@ from ...behaviors.version import RATE
 from ...kinds import KINDS, sample_names
 from ...notebook.progress import Progress, without_bars
 from ...reasons.places import FunctionSource
-from ...runtime.tables import Table
+from ...runtime.tables import HasTable, Table
 from ...samples.checks import finite
 from ..span import Span
 from ._search import Search
@@ -86,7 +86,7 @@ class StepText:
         return f"<pre>{escape(repr(self))}</pre>"
 
 
-class RecordedLines:
+class RecordedLines(HasTable):
     """A function with the results of its lines over a recording. Printed, it is a table of its lines.
 
     `Recording.lines` makes it. A function of samples or of one moment is called at each of them. A program, and a
@@ -203,12 +203,6 @@ class RecordedLines:
         ]
         return Spans(f"line {line} was {'true' if is_flag else 'reached'}", found)
 
-    def __repr__(self) -> str:
-        return self._table().to_text()
-
-    def _repr_html_(self) -> str:
-        return self._table().to_html()
-
     def _table(self) -> Table:
         if not self._times:
             return Table(f"{self.maker.name}: no step, as a sample that it reads never came", (), ())
@@ -249,7 +243,7 @@ class Decision(NamedTuple):
     new: Any
 
 
-class Decisions(Sequence[Decision]):
+class Decisions(HasTable, Sequence[Decision]):
     """A table of the spans in which two versions of a function decided otherwise; see `decisions`.
 
     Attributes:
@@ -268,12 +262,6 @@ class Decisions(Sequence[Decision]):
 
     def __len__(self) -> int:
         return len(self._found)
-
-    def __repr__(self) -> str:
-        return self._table().to_text()
-
-    def _repr_html_(self) -> str:
-        return self._table().to_html()
 
     def _table(self) -> Table:
         compared, otherwise = self.steps

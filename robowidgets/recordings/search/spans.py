@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any, overload
 
-from ...runtime.tables import Table
+from ...runtime.tables import HasTable, Table
 from ...runtime.text import degrees_of, often
 from ..columns.tables import frame_of, number, texts, whole
 from ..span import Span
@@ -19,7 +19,7 @@ _TYPES = {
 """The columns of a DataFrame with their types."""
 
 
-class Spans(Sequence[Span]):
+class Spans(HasTable, Sequence[Span]):
     """A table of spans. Printed, it shows the first ones.
 
     Args:
@@ -103,12 +103,6 @@ class Spans(Sequence[Span]):
 
     def __iter__(self) -> Iterator[Span]:
         return iter(self._spans)
-
-    def __repr__(self) -> str:
-        return self._table().to_text()
-
-    def _repr_html_(self) -> str:
-        return self._table().to_html()
 
     def _table(self) -> Table:
         """Return the table of the first spans, a row for each."""

@@ -694,7 +694,7 @@ class TestReadingOnlyPartsOfARecording:
     def test_a_way_of_very_many_poses_goes_by_evenly_chosen_ones_to_its_end(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("robowidgets.path.frames.MOST_POSES", 150)
+        monkeypatch.setattr("robowidgets.path.frames.MOST_READ", 150)
         poses = [(i / 200, "/pose", scene.plain(stamped("world", i / 10, 0.0, 0.0, i / 200))) for i in range(1200)]
         path = recorded.write(tmp_path / "x", {"/pose": "geometry_msgs/msg/PoseStamped"}, poses)
         ways = []
