@@ -96,12 +96,12 @@ def _still_valid(source: Source, start_ns: int) -> list[Message]:
     known = {(message[0].id, message[2]): message for message in source.messages(static, None, start_ns)}
     found += known.values()
     for channel in source.channels:
-        if channel not in static and _is_lasting(channel) and (last := _last(source, channel, start_ns)):
+        if channel not in static and is_lasting(channel) and (last := _last(source, channel, start_ns)):
             found.append(last)
     return sorted(found, key=lambda message: message[1])
 
 
-def _is_lasting(channel: Channel) -> bool:
+def is_lasting(channel: Channel) -> bool:
     """Return True if the last message of a channel holds until the next one."""
     return (
         (channel.is_latched and channel.type not in LOG_TYPES)
