@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..behaviors.program import FAILED
 from ..messages.event import SEVERE_TYPES, EventReader
 from ..notebook.cells import take_the_place
-from ..recordings.ring_writer import Limits, RingWriter
+from ..recordings.ring_writer import RingLimits, RingWriter
 from ..runtime.text import many
 from ..samples.checks import finite
 from ..samples.event import Level
@@ -59,7 +59,7 @@ class BlackBox(FeedTap):
         topics: tuple[str, ...],
         when: Mapping[str, Any],
         folder: Path,
-        limits: Limits,
+        limits: RingLimits,
     ) -> None:
         self.folder, self._limits = folder, limits
         self._readers: dict[str, EventReader] = {}
@@ -95,7 +95,7 @@ class BlackBox(FeedTap):
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What it cannot keep, and conditions that were switched off, one line each."""
+        """The messages that it misses, failures of the disk, and conditions that are switched off, one line each."""
         off = (f"{one.name}: switched off, {one.error}" for one in list(self._triggers) if one.error)
         return (*super().problems, *off)
 
@@ -207,7 +207,7 @@ class BlackBox(FeedTap):
             self._writer.add_cause(status[:_LONGEST])
 
     def _on_step(self) -> None:
-        """Note an error of the program, besides what a recorder takes of it."""
+        """Note an error of the program, and what a recorder takes of it."""
         super()._on_step()
         program = self._connection.programs.current
         failed = f"{program.name}: {program.error}" if program is not None and program.mode == FAILED else ""
@@ -277,7 +277,7 @@ def _name_of(condition: Any) -> str:
         raise TypeError("when: a lambda has no name; give one, as in when={'wall': lambda scan: ...}") from None
 
 
-def limits_of(seconds: float, after: float, files: int, megabytes: float) -> Limits:
+def limits_of(seconds: float, after: float, files: int, megabytes: float) -> RingLimits:
     """Return the limits that a user gives; raise TypeError or ValueError if one is not usable."""
     if not 1 <= finite("seconds", seconds, "seconds") <= 3600:
         raise ValueError(f"seconds: expected 1 to 3600 seconds, got {seconds!r}")
@@ -289,7 +289,7 @@ def limits_of(seconds: float, after: float, files: int, megabytes: float) -> Lim
         raise ValueError(f"files: expected 1 or more, got {files!r}")
     if finite("megabytes", megabytes, "MB") < 1:
         raise ValueError(f"megabytes: expected 1 or more, got {megabytes!r}")
-    return Limits(float(seconds), float(after), files, int(megabytes * 1e6))
+    return RingLimits(float(seconds), float(after), files, int(megabytes * 1e6))
 
 
 def folder_of(folder: Any) -> Path:

@@ -189,6 +189,11 @@ def join(
     return True
 
 
+def has_rings(folder: Path) -> bool:
+    """Return True if a black box runs in a folder, or a dead kernel has left messages there."""
+    return next(folder.glob(f"{_RING}*"), None) is not None
+
+
 def recover(folder: Path, meanwhile: Callable[[], object] = lambda: None) -> tuple[list[Path], list[str]]:
     """Write what dead kernels have left in the folder of a black box. Return the files, and lines on failures."""
     written: list[Path] = []

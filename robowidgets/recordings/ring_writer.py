@@ -53,7 +53,7 @@ MOST_CAUSES = 1000
 
 
 class Finder(Protocol):
-    """What a writer of the last minute calls, in its thread."""
+    """An object that a writer of the last minute calls, in its thread."""
 
     def causes_in(self, topic: str, type_name: str, time_ns: int, message: Any) -> Sequence[str]:
         """Return the causes that a message reports."""
@@ -66,7 +66,7 @@ class Finder(Protocol):
 
 
 @dataclass(frozen=True)
-class Limits:
+class RingLimits:
     """The limits of a black box.
 
     Args:
@@ -122,7 +122,7 @@ class RingWriter(QueuedWriter):
         OSError: the folder cannot be written.
     """
 
-    def __init__(self, folder: Path, limits: Limits, finder: Finder, clock: Clock) -> None:
+    def __init__(self, folder: Path, limits: RingLimits, finder: Finder, clock: Clock) -> None:
         super().__init__(folder, clock)
         self._limits, self._finder = limits, finder
         self._ring = Ring(folder)

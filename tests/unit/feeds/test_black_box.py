@@ -17,6 +17,7 @@ import pytest
 import robowidgets
 from robowidgets import conditions
 from robowidgets.behaviors import Drive
+from robowidgets.command import main
 from robowidgets.events.frames import event_marks
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.recordings import ring, ring_writer
@@ -265,15 +266,37 @@ def test_two_kernels_share_a_folder_and_neither_takes_what_the_other_keeps(tmp_p
     assert [words(path) for path in files] == [["same"], ["same"]]
 
 
-def test_what_a_kernel_has_left_stays_until_it_can_be_written(
-    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def leave(folder: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Leave the last minute of a kernel that ended; return its name."""
     script = Scripted(SCAN)
     with monkeypatch.context() as died, Feed(script, clock=clock) as feed:
         died.setattr(ring.Ring, "remove", ring.Ring.release)
-        feed.black_box(folder=tmp_path)
+        feed.black_box(folder=folder)
         pass_seconds(script, clock, 3)
-    (left,) = there(tmp_path)
+    (left,) = there(folder)
+    return left
+
+
+def test_a_command_writes_what_a_kernel_has_left(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    leave(tmp_path, clock, monkeypatch)
+    assert main(["repair", str(tmp_path), "-o", "x.mcap"]) == 2
+    assert "the files of a black box have names of their own" in capsys.readouterr().err
+    assert main(["repair", str(tmp_path)]) == 0
+    (name,) = there(tmp_path)
+    assert capsys.readouterr().out == f"Wrote {tmp_path / name}\n"
+    with Feed(Scripted(SCAN), clock=clock) as feed:
+        feed.black_box(folder=tmp_path)
+        assert main(["repair", str(tmp_path)]) == 0
+        assert capsys.readouterr().out.startswith("Nothing is left to write in ")
+
+
+def test_what_a_kernel_has_left_stays_until_it_can_be_written(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    left = leave(tmp_path, clock, monkeypatch)
+    script = Scripted(SCAN)
     with monkeypatch.context() as full, Feed(script, clock=clock) as feed:
         full.setattr(ring, "McapWriter", fill_disk)
         box = feed.black_box(folder=tmp_path)
