@@ -149,8 +149,8 @@ class BlackBox(FeedTap):
         """The state in one line."""
         if self._closed:
             return f"black box: closed, {many(len(self.files), 'file')}"
-        if trouble := self._writer.trouble:
-            return f"black box: {'; '.join(trouble)}"
+        if self._writer.trouble:
+            return "black box: in trouble"
         seconds = self._writer.kept if self._writer.is_cut_short else self._limits.seconds
         less = f" of {self._limits.seconds:g} s, which need more megabytes" if self._writer.is_cut_short else ""
         return f"black box: last {seconds:.4g} s{less}, {many(len(self.files), 'file')}"
@@ -158,7 +158,8 @@ class BlackBox(FeedTap):
     def on_change(self) -> None:
         """See `Finder`: show the files and the troubles."""
         if not self._closed:
-            self._connection.show_black_box(self._line)
+            troubles = tuple(f"black box: {line}" for line in self._writer.trouble)
+            self._connection.show_black_box(self._line, troubles)
 
     def on_second(self) -> None:
         """See `Finder`: take the topics that widgets show now."""

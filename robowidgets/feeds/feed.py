@@ -522,7 +522,9 @@ class Feed:
         return "".join(table.to_html() for table in self._tables())
 
     def _tables(self) -> list[Table]:
-        tables = [table_of(self.where, self.topics, self.status, self.driver.sender, self.connection.black_box)]
+        there = self.connection
+        notes = (self.driver.sender, there.black_box, *there.black_box_troubles)
+        tables = [table_of(self.where, self.topics, self.status, *notes)]
         if self.functions:
             tables.append(self.connection.functions.table())
         return tables

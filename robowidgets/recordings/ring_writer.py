@@ -313,7 +313,7 @@ class RingWriter(QueuedWriter):
             with suppress(OSError):
                 self._segments[-1].size = self._segments[-1].path.stat().st_size
         self._keeps_from = self._clock.now() + RETRY
-        self._report(full=f"nothing is kept, {self._why(error)}")
+        self._report(full=f"nothing is kept: {self._why(error)}")
 
     def _why(self, error: Exception) -> str:
         return f"{getattr(error, 'strerror', None) or error} in {self._path}; it tries again every {RETRY:g} s"
@@ -373,7 +373,7 @@ class RingWriter(QueuedWriter):
             if self._pending is not None:
                 pending.last = self._pending.last
             self._pending, self._saves_from = pending, self._clock.now() + RETRY
-            self._report(unsaved=f"the file for “{pending.cause.text}” waits, {self._why(error)}")
+            self._report(unsaved=f"the file for “{pending.cause.text}” waits: {self._why(error)}")
             return
         except RecordingError as error:
             log.error("black box: no file for “%s”: %s", pending.cause.text, error)

@@ -23,6 +23,7 @@ from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.recordings import ring, ring_writer
 
 from ..clocks import ManualClock
+from ..pages import synced
 from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan
 
@@ -217,9 +218,9 @@ def test_a_full_disk_is_reported_once_deletes_nothing_and_ends_when_there_is_roo
             pass_seconds(script, clock, 15)
             box.save("meanwhile")
             pass_seconds(script, clock, 30)
-            line = "black box: nothing is kept, No space left on device in " + str(tmp_path)
-            assert feed.connection.black_box.startswith(line)
-            wait_for(lambda: view.notes[-1].startswith(line), "the screen shows it")
+            line = "black box: nothing is kept: No space left on device in " + str(tmp_path)
+            assert feed.connection.black_box == "black box: in trouble"
+            wait_for(lambda: view.notes and view.notes[-1].startswith(line), "the screen shows it")
             assert line in repr(feed)
             assert [record.levelname for record in caplog.records] == ["ERROR"]
             assert box.files == (old,)
@@ -227,7 +228,7 @@ def test_a_full_disk_is_reported_once_deletes_nothing_and_ends_when_there_is_roo
         pass_seconds(script, clock, 10)
         assert [record.levelname for record in caplog.records] == ["ERROR", "WARNING"]
         assert feed.connection.black_box == "black box: last 10 s, 2 files"
-        wait_for(lambda: view.notes == ["black box: last 10 s, 2 files"], "the screen shows it")
+        wait_for(lambda: not view.notes, "the screen shows it")
     assert words(box.files[1]) == ["meanwhile"]
 
 
@@ -242,8 +243,8 @@ def test_a_file_that_finds_no_room_waits_and_has_no_partial_copy(
         with monkeypatch.context() as full:
             full.setattr(ring, "McapWriter", fill_disk)
             pass_seconds(script, clock, 4)
-            line = f"black box: the file for “noise” waits, No space left on device in {tmp_path}; it tries again"
-            assert feed.connection.black_box.startswith(line)
+            line = f"black box: the file for “noise” waits: No space left on device in {tmp_path}; it tries again"
+            assert feed.connection.black_box_troubles[0].startswith(line)
             assert [path.name for path in tmp_path.iterdir() if not path.name.startswith(".")] == []
         pass_seconds(script, clock, 6)
         assert feed.connection.black_box == "black box: last 10 s, 1 file"
@@ -338,7 +339,7 @@ def test_it_keeps_what_the_screen_shows_and_the_screen_shows_that_it_runs(tmp_pa
         box = feed.black_box(folder=tmp_path)
         assert script.followed >= {"/scan", "/odom"}
         view = feed.show("/scan")
-        assert view.notes == ["black box: last 60 s, 0 files"]
+        assert synced(view.children[0], "_black_box") == "black box: last 60 s, 0 files"
         pass_seconds(script, clock, 2)
         assert script.followed == {"/scan", "/cmd_vel"}
         view.close()
