@@ -119,14 +119,15 @@ class BlackBox(FeedTap):
         self._writer.add_cause(text)
 
     def close(self) -> None:
-        """Keep nothing more, and write the file that is due. Calling it again does nothing.
+        """Keep nothing more, and write the file that is due. Calling it again only waits until that is done.
 
         It waits for the disk for at most two seconds.
         """
         with self._lock:
-            if self._closed:
-                return
-            self._closed = True
+            was_closed, self._closed = self._closed, True
+        if was_closed:
+            self._writer.close()
+            return
         self._connection.unobserve(self._on_connection)
         self._connection.watchdog.unobserve(self._on_stop)
         for trigger in self._triggers:
@@ -200,11 +201,14 @@ class BlackBox(FeedTap):
             self._writer.add_cause(STOP)
 
     def _on_connection(self) -> None:
-        """Note a lost connection."""
+        """Note a lost connection, or close with the feed."""
+        if self._connection.is_closed:
+            self.close()  # in the thread that closes the feed, which waits for it
+            return
         status = self._connection.status
         with self._lock:
             before, self._is_lost = self._is_lost, bool(status)
-        if status and not before and not self._closed and not self._connection.is_closed:
+        if status and not before and not self._closed:
             self._writer.add_cause(status[:_LONGEST])
 
     def _on_step(self) -> None:

@@ -71,10 +71,12 @@ class QueuedWriter(ABC):
         self._ending = threading.RLock()
         self._waiters = Waiters(self._ending, self._clock)
         self._ticket: Ticket | None = None
+        self._thread: threading.Thread | None = None
+        """The thread that writes, once it runs."""
 
     def start(self) -> None:
         """Start the writing thread."""
-        self._ticket = Threads(self._clock).start(self._run, "robowidgets-recorder")
+        self._ticket = Threads(self._clock).start(self._turn, "robowidgets-recorder")
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -101,15 +103,24 @@ class QueuedWriter(ABC):
             self._ticket.wake()
 
     def close(self) -> None:
-        """Complete the file; nothing may be added afterwards. This waits for the disk for two seconds at most."""
+        """Complete the file; nothing may be added afterwards. This waits for the disk for two seconds at most.
+
+        A call in the thread that writes does not wait.
+        """
         self._is_closed = True
         if self._ticket is None or self._has_ended:
             return
         self._ticket.wake()
+        if self._thread is threading.current_thread():
+            return
         if self._waiters.wait_for(lambda: self._has_ended or None, CLOSE_TIMEOUT) is None:
             log.warning("%s: the disk is slow: the file is not complete yet", self._path)
 
     # -- in the thread that writes -------------------------------------------------------------------------------------
+
+    def _turn(self) -> float | None:
+        self._thread = threading.current_thread()
+        return self._run()
 
     @abstractmethod
     def _run(self) -> float | None:

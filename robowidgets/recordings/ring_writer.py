@@ -184,6 +184,8 @@ class RingWriter(QueuedWriter):
             self._close_ring()
             self._end()
             raise Detached
+        if self._is_closed:  # in this turn, perhaps by this thread
+            return self._clock.now()
         times = (self._flush_at, None if self._pending is None or self._full else self._due)
         return min((at for at in times if at is not None), default=None)
 
@@ -300,7 +302,8 @@ class RingWriter(QueuedWriter):
             except OSError as error:
                 self._fail(error)
             else:
-                self._report(full="")
+                if self._clock.now() >= self._keeps_from + RETRY:  # room for a moment only is no news
+                    self._report(full="")
         self._trim()
         self._finder.on_second()
 

@@ -172,6 +172,9 @@ def test_a_trigger_that_flaps_shares_files_and_each_time_is_a_mark(tmp_path: Pat
         assert len(box.files) == 2, "each begins with a cause and ends 20 s later"
     found = dict.fromkeys(text for path in box.files for text in words(path))
     assert len(found) == 40
+    with robowidgets.open(box.files[1]) as recording:
+        (first,) = [event for event in recording.events(ring.CAUSES) if event.text == "flap 20"]
+        assert first.seconds >= 19, "the time before its first cause stays, for as long as others follow"
     with Feed(script, clock=clock) as feed:
         box = feed.black_box(seconds=2, after=0, folder=tmp_path / "often")
         for number in range(59):
@@ -225,7 +228,7 @@ def test_a_full_disk_is_reported_once_deletes_nothing_and_ends_when_there_is_roo
             assert [record.levelname for record in caplog.records] == ["ERROR"]
             assert box.files == (old,)
             assert not list(tmp_path.glob("*.part"))
-        pass_seconds(script, clock, 10)
+        pass_seconds(script, clock, 12)
         assert [record.levelname for record in caplog.records] == ["ERROR", "WARNING"]
         assert feed.connection.black_box == "black box: last 10 s, 2 files"
         wait_for(lambda: not view.notes, "the screen shows it")
@@ -360,6 +363,19 @@ def test_closing_writes_the_file_that_is_due(tmp_path: Path, clock: ManualClock)
         with pytest.raises(FeedError, match="the black box is closed"):
             box.save()
     assert words(box.files[0]) == ["late"]
+
+
+def test_closing_in_the_thread_that_writes_waits_for_nothing(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(folder=tmp_path)
+        monkeypatch.setattr(box, "causes_in", lambda *_: box.close() or ["the last"])
+        script.listener.on_message("/scan", scan())
+        clock.advance()  # by no time
+        (path,) = box.files
+        assert there(tmp_path) == [path.name]
 
 
 @pytest.mark.parametrize(
