@@ -302,7 +302,7 @@ class RingWriter(QueuedWriter):
             except OSError as error:
                 self._fail(error)
             else:
-                if self._clock.now() >= self._keeps_from + RETRY:  # room for a moment only is no news
+                if self._clock.now() >= self._keeps_from + RETRY:  # after one failure, the next is likely
                     self._report(full="")
         self._trim()
         self._finder.on_second()
