@@ -40,6 +40,9 @@ class StopWidget(DrivingWidget):
         help="Id of the model that its button puts next to the notebook; empty without the button."
     ).tag(sync=True, echo_update=False)
     _opens = Flag(False, help="True to do that as soon as the bar is on the page.").tag(sync=True, echo_update=False)
+    _black_box = traitlets.Unicode(help="The state of the black box of the robot, or empty without one.").tag(
+        sync=True, echo_update=False
+    )
     _robot = traitlets.Unicode(help="Name of the robot of that group.").tag(sync=True, echo_update=False)
 
     def __init__(self, robot: Any, **kwargs: Any) -> None:
@@ -52,6 +55,10 @@ class StopWidget(DrivingWidget):
     def stand_in(self, view: str, *, opens: bool = False) -> None:
         """Become the bar of the view with this model, and put the view next to the notebook by a button or at once."""
         self._view, self._opens = view, opens
+
+    def show_black_box(self, line: str) -> None:
+        """Show the state of the black box, or nothing if the line is empty."""
+        self._black_box = line
 
     def freeze_with(self, group: str, robot: str) -> None:
         """Show a button that freezes the pictures of a group of a robot; no button if the group is empty."""

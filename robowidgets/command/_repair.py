@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..files import open_source
 from ..files.remote import fetch
+from ..recordings.ring import has_rings, recover
 from ..repair.write import write
 from ..runtime.text import many, megabytes
 from ._error import CommandError
@@ -18,10 +19,10 @@ _SUFFIXES = (".bag", ".clf", ".db3", ".log", ".mcap")
 
 
 def repair(file: Path | str, output: Path | None, *, force: bool) -> Iterator[str]:
-    """Write a recording as an MCAP file.
+    """Write a recording as an MCAP file, or what killed kernels have left in the folder of a black box.
 
     Args:
-        file: the recording, or its URL.
+        file: the recording, its URL, or the folder of a black box.
         output: the MCAP file, or None for a file with ``_repaired`` at the end of its name: in the folder of the
             recording, or in the working directory for a URL.
         force: True to replace an existing file.
@@ -32,7 +33,7 @@ def repair(file: Path | str, output: Path | None, *, force: bool) -> Iterator[st
     Raises:
         RecordingError: nothing can be read, or the file cannot be written.
         OSError: the output already exists, or belongs to the recording.
-        CommandError: the name of the output does not end in .mcap.
+        CommandError: the name of the output does not end in .mcap, or a folder of a black box has names of its own.
     """
     if isinstance(file, str):
         fetched = fetch(file)
@@ -42,6 +43,9 @@ def repair(file: Path | str, output: Path | None, *, force: bool) -> Iterator[st
             fetched.close()
         return
     recording = file.absolute().parent if file.name == "metadata.yaml" else file
+    if recording.is_dir() and has_rings(recording):
+        yield from _repair_black_box(recording, output)
+        return
     output = _beside(recording) if output is None else output
     _check(recording, output, force)
     with closing(open_source(recording)) as source:
@@ -54,6 +58,17 @@ def repair(file: Path | str, output: Path | None, *, force: bool) -> Iterator[st
         yield f"Nothing is wrong with {recording}"
     amount = f"{many(written.messages, 'message')}, {written.seconds:,.1f} s, {megabytes(written.size)}"
     yield f"Wrote {output}: {amount}"
+
+
+def _repair_black_box(folder: Path, output: Path | None) -> Iterator[str]:
+    if output is not None:
+        raise CommandError("--output: the files of a black box have names of their own; leave it out")
+    written, problems = recover(folder)
+    yield from (f"Wrote {path}" for path in written)
+    if problems:
+        raise CommandError("; ".join(problems))
+    if not written:
+        yield f"Nothing is left to write in {folder}: the kernels of its black boxes run"
 
 
 def _beside(recording: Path) -> Path:

@@ -359,7 +359,9 @@ class FeedView(ScreenWidget):
             lines = [f"connected to {self._connection.where}, which has no topics yet"]
         else:
             lines = [f"connected to {self._connection.where}, waiting for its topics; connect() accepts any name"]
-        self.note(lines)
+        self.note([*lines, *self._connection.black_box_troubles])
+        for bar in filter(None, (self._stop, self._bar)):
+            bar.show_black_box(self._connection.black_box)
 
 
 def _on_page(widgets: Sequence[Any]) -> list[Any]:

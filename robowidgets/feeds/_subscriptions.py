@@ -49,6 +49,8 @@ class Subscriptions(Observed):
         is_forked: True if it belongs to the parent of this forked process.
         nobody: hint to show if no robot may be there although it is connected, or empty if a robot is there.
         sent_count: the number of sent speeds, including zero.
+        black_box, black_box_troubles: the state of the black box in one line, or empty without one, and the reasons why
+            it keeps nothing or writes no file.
     """
 
     def __init__(self, middleware: Middleware, clock: Clock) -> None:
@@ -69,7 +71,8 @@ class Subscriptions(Observed):
         self._down = f"connecting to {middleware.where}"
         """The reason why no message can come on any topic, or empty."""
         self.adverts: tuple[Advert, ...] = ()
-        self.nobody = ""
+        self.nobody = self.black_box = ""
+        self.black_box_troubles: tuple[str, ...] = ()
         self.sent_count = 0
         self._reached = self.is_listed = self.is_closed = self.is_forked = False
         self._driven: str | None = None
@@ -291,6 +294,12 @@ class Subscriptions(Observed):
     def on_driving(self) -> None:
         """Show changed settings of driving: a pad has a knob for each direction in which the robot moves."""
         self._call_observers()
+
+    def show_black_box(self, line: str, troubles: tuple[str, ...] = ()) -> None:
+        """Show the state of the black box on the screen, or nothing if it is empty, and its troubles."""
+        if (line, troubles) != (self.black_box, self.black_box_troubles):
+            self.black_box, self.black_box_troubles = line, troubles
+            self._call_observers()
 
     def _show_speed(self, topic: str, speed: Speed) -> None:
         subscription = self.by_topic.get(topic)

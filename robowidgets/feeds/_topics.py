@@ -101,11 +101,11 @@ def _topic(name: str, adverts: Sequence[Advert]) -> FeedTopic:
     )
 
 
-def table_of(where: str, topics: Sequence[FeedTopic], status: str, sender: str = "") -> Table:
-    """Return a table of the topics of a feed, with the status of the connection and the sender of speeds, if known."""
+def table_of(where: str, topics: Sequence[FeedTopic], status: str, *notes: str) -> Table:
+    """Return a table of the topics of a feed, with the status of the connection, and notes, some of them empty."""
     heading = f"{where}: {many(len(topics), 'topic')}"
     rows = [_cells(topic) for topic in topics]
-    return Table(heading, _HEADS, rows, notes=[sender] if sender else (), problems=[status] if status else ())
+    return Table(heading, _HEADS, rows, notes=[*filter(None, notes)], problems=[status] if status else ())
 
 
 def _cells(topic: FeedTopic) -> tuple[str, ...]:

@@ -28,6 +28,7 @@ from .middleware import FeedError, Middleware
 if TYPE_CHECKING:
     from ..behaviors.program import Program
     from ..wires_widget import WiresView
+    from ._black_box import BlackBox
     from ._feed_view import FeedView
     from ._feed_watch import FeedWatch
     from ._recorder import Recorder
@@ -60,6 +61,7 @@ class Feed:
         self.programs = self.connection.programs
         self._drive_note, self._program_note = CellNote(), CellNote()
         self._watches: dict[str, FeedWatch] = {}
+        self._black_box: BlackBox | None = None
         self.connection.open()
 
     # -- for users -----------------------------------------------------------------------------------------------------
@@ -290,6 +292,52 @@ class Feed:
         self.connection.check_open(*topics)
         return Recorder(self.connection, path, topics, everything)
 
+    def black_box(
+        self,
+        *topics: str,
+        seconds: float = 60.0,
+        after: float = 5.0,
+        when: Any = (),
+        folder: str | os.PathLike[str] = "black_box",
+        files: int = 20,
+        megabytes: float = 1000.0,
+    ) -> BlackBox:
+        """Keep the last minute, and write it to an MCAP file when something happens, until it is closed.
+
+        A bump, Stop, an error on ``/rosout`` or ``/diagnostics``, a lost connection, an error of the program, a
+        condition that becomes true, and `BlackBox.save` begin a file. It appears some seconds later, and each cause is
+        a mark in its player. There are at most four files a minute: causes in between share one. If the kernel is
+        killed, the next black box in this folder, or ``robowidgets repair`` of the folder, writes what is left of it.
+
+        Speeds, transforms, touches, and the text and states of the program are always in it. A feed has one black box:
+        another call replaces it.
+
+        Args:
+            *topics: names of topics, or none for the topics that widgets show, or could show if none is shown.
+            seconds: the time before a cause, 1 to 3600.
+            after: the time after it, 0 to 600. A cause in this time extends the file.
+            when: conditions as for `watch`: one, several, or a dictionary of conditions by name.
+            folder: the folder of the files. Several kernels may use the same one.
+            files: the largest number of files in the folder; older ones are deleted.
+            megabytes: the limit for all of it: a quarter for the last minute, half for the files.
+
+        Raises:
+            TypeError, ValueError: an argument is invalid, or a condition, as for `watch`.
+            OSError: the folder cannot be made or written. FeedError: the feed is closed.
+
+        Examples:
+            >>> feed.black_box(seconds=60)  # doctest: +SKIP
+        """
+        from ._black_box import BlackBox, folder_of, limits_of, named_conditions
+
+        self.connection.check_open(*topics)
+        limits, named = limits_of(seconds, after, files, megabytes), named_conditions(when)
+        path = folder_of(folder)
+        if self._black_box is not None:
+            self._black_box.close()
+        self._black_box = BlackBox(self.connection, topics, named, path, limits)
+        return self._black_box
+
     def drive(self, linear: float = 0.0, angular: float = 0.0, *, lateral: float = 0.0) -> None:
         """Publish a speed, cut to the limits of `driving`. Zero follows unless the speed is renewed in time.
 
@@ -474,7 +522,9 @@ class Feed:
         return "".join(table.to_html() for table in self._tables())
 
     def _tables(self) -> list[Table]:
-        tables = [table_of(self.where, self.topics, self.status, self.driver.sender)]
+        there = self.connection
+        notes = (self.driver.sender, there.black_box, *there.black_box_troubles)
+        tables = [table_of(self.where, self.topics, self.status, *notes)]
         if self.functions:
             tables.append(self.connection.functions.table())
         return tables

@@ -91,17 +91,22 @@ def write_cut(source: Source, recording: Path, target: Path, start_ns: int | Non
 def _still_valid(source: Source, start_ns: int) -> list[Message]:
     """Return the messages before a time that still hold at it, in the order of time."""
     found: list[Message] = []
-    static = [channel for channel in source.channels if channel.topic.endswith(_STATIC)]
+    static = [channel for channel in source.channels if is_static(channel)]
     # Each publisher sends its own transforms, some of them again and again: each message counts once.
     known = {(message[0].id, message[2]): message for message in source.messages(static, None, start_ns)}
     found += known.values()
     for channel in source.channels:
-        if channel not in static and _is_lasting(channel) and (last := _last(source, channel, start_ns)):
+        if channel not in static and is_lasting(channel) and (last := _last(source, channel, start_ns)):
             found.append(last)
     return sorted(found, key=lambda message: message[1])
 
 
-def _is_lasting(channel: Channel) -> bool:
+def is_static(channel: Channel) -> bool:
+    """Return True if all messages of a channel hold from then on, until one of them comes again."""
+    return channel.topic.endswith(_STATIC)
+
+
+def is_lasting(channel: Channel) -> bool:
     """Return True if the last message of a channel holds until the next one."""
     return (
         (channel.is_latched and channel.type not in LOG_TYPES)

@@ -7,6 +7,8 @@ export interface StopTraits extends DrivingTraits {
   _robot: string;
   /** Id of the model that its button puts next to the notebook, or "" without a button. */
   _view: string;
+  /** The state of the black box of the robot, or "" without one. */
+  _black_box: string;
   /** True if that happens as soon as the bar is on the page. */
   _opens: boolean;
 }

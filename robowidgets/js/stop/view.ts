@@ -2,7 +2,7 @@ import { make, mount, set, setText, setTip } from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { toDriverText } from "../shared/driving/text.ts";
-import { type Model, newName } from "../shared/model.ts";
+import { type Model, newName, onChange } from "../shared/model.ts";
 import { perAnimationFrame } from "../shared/schedule.ts";
 import { followTheme } from "../shared/theme.ts";
 import { Beside } from "./beside.ts";
@@ -11,6 +11,7 @@ import type { StopTraits } from "./traits.ts";
 
 /** A bar: Stop, the source of the speeds and the speed, problems, and the Freeze of its view. */
 export class StopView {
+  readonly #model: Model<StopTraits>;
   readonly #control: StopControl;
   readonly #buttons: StopButtons;
   readonly #freeze: Freeze;
@@ -21,7 +22,9 @@ export class StopView {
   readonly #notice = make("div", "rw-notice rw-notice-text rw-error");
 
   constructor(model: Model<StopTraits>, element: HTMLElement, signal: AbortSignal) {
+    this.#model = model;
     const redraw = perAnimationFrame(() => this.#draw(), signal);
+    onChange(model, ["_black_box"], redraw, signal);
     this.#control = new StopControl(model, newName(), redraw, signal);
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
     this.#freeze = new Freeze(model, redraw, signal);
@@ -45,10 +48,11 @@ export class StopView {
     const { text, hint, kind } = toDriverText(this.#control);
     set(this.#root.dataset, "kind", kind);
     setText(this.#text, text);
-    setText(this.#hint, hint);
     setTip(this.#text, this.#control.told.sender ?? "");
     const { error, status } = this.#control.told;
-    this.#hint.classList.toggle("rw-alarm", hint !== "" && hint === status);
+    const isAlarm = hint !== "" && hint === status;
+    setText(this.#hint, [hint, isAlarm ? "" : this.#model.get("_black_box")].filter(Boolean).join(" · "));
+    this.#hint.classList.toggle("rw-alarm", isAlarm);
     setText(this.#notice, error);
   }
 }
