@@ -78,7 +78,7 @@ test("a sector that was changed, renamed or removed comes back, and those that P
   closing.abort();
 });
 
-test("the choice of a kept sector is no change", () => {
+test("the choice of a kept sector is not a change", () => {
   const { card, picture } = makeCard();
   const model = new FakeModel({ _sectors: { front: FRONT }, _selection: {} });
   const { signal } = new AbortController();
