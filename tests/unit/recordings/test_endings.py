@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import robowidgets
-from robowidgets.files._index import _INDEX_HEAD
 from robowidgets.files._rosbags import open_mcap
 from robowidgets.recordings._sample_reader import silences
+from robowidgets.repair.mcap_records import INDEX_HEAD
 
 from .clock_back import KINDS, SCAN, SPEED, Message, cut, drive, long_mcap, mcap, step
 
@@ -100,7 +100,7 @@ def test_an_index_that_lies_about_itself_is_met_when_messages_are_read(
         offsets = index.places[2, index.places[0] == len(index.starts) - 1].tolist()
     raw = bytearray(path.read_bytes())
     for at in offsets:
-        raw[at : at + _INDEX_HEAD.size] = b"\xff" * _INDEX_HEAD.size
+        raw[at : at + INDEX_HEAD.size] = b"\xff" * INDEX_HEAD.size
     path.write_bytes(raw)
     with robowidgets.open(path) as recording:
         assert len(list(recording.samples(SPEED))) == 400
