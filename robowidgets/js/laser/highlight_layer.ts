@@ -9,7 +9,7 @@ import type { LaserTraits } from "./traits.ts";
 /** Of the fill of the rays. */
 const OPACITY = 0.11;
 
-/** Rays that a program has lit. */
+/** Rays that a program has highlighted. */
 export class HighlightLayer implements Layer {
   readonly traits = ["_highlight"] as const;
   readonly #model: Model<LaserTraits>;
