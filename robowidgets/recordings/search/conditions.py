@@ -156,6 +156,7 @@ def stops(program: Any, rate: float = RATE) -> Condition:
 
     Example:
         >>> import robowidgets
+        >>> from robowidgets import conditions
         >>> from robowidgets.behaviors import Drive
         >>> def careful(scan):
         ...     return Drive(0.0 if scan.distance("front") < 0.5 else 0.2)
