@@ -17,7 +17,7 @@ if sys.platform == "emscripten":
 from .runtime.short_traceback import shorten_tracebacks
 
 if TYPE_CHECKING:
-    from . import feeds, fleet, lessons, simulator
+    from . import conditions, feeds, fleet, lessons, simulator
     from . import rooms as rooms
     from ._compare import compare as compare
     from ._plot import plot as plot
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from .recording import Recording
     from .recording import open as open
     from .recordings import RecordingError
-    from .recordings.search import conditions
     from .recordings.search.lines import decisions as decisions
     from .samples import (
         CameraInfo,
@@ -182,10 +181,7 @@ _LATER = {
 
 _MODULE_OF = {name: module for module, names in _LATER.items() for name in names}
 
-_MODULES = {
-    **{name: f".{name}" for name in ("feeds", "fleet", "lessons", "rooms", "simulator")},
-    "conditions": ".recordings.search.conditions",
-}
+_MODULES = ("conditions", "feeds", "fleet", "lessons", "rooms", "simulator")
 """Public modules that `dir` lists. Other modules are imported at the first use, too."""
 
 shorten_tracebacks()
@@ -193,8 +189,6 @@ shorten_tracebacks()
 
 def __getattr__(name: str) -> Any:
     """Import a public name at its first use."""
-    if name in _MODULES:
-        return import_module(_MODULES[name], __name__)
     if name in _MODULE_OF:
         return getattr(import_module(_MODULE_OF[name], __name__), name)
     if name == "Pose":

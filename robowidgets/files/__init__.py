@@ -33,6 +33,7 @@ _OPENERS = {
     b"SQLite format 3\0": _rosbags.open_sqlite,
 }
 METADATA = "metadata.yaml"
+NO_SUCH_PATH = "no such file or folder"
 _NUMBER = re.compile(r"\d+")
 _HEAD = re.compile(r"^rosbag2_bagfile_information:", re.MULTILINE)
 _NAMED = re.compile(r"^\s*-\s+(?:path:\s+)?['\"]?([^'\"\n]*\.(?:db3|mcap)(?:\.zstd)?)['\"]?\s*$", re.MULTILINE)
@@ -59,9 +60,7 @@ def open_source(path: Path) -> Source:
 
 def _open(path: Path) -> Source:
     if not path.exists():
-        raise RecordingError(
-            f"{path}: {'a link that leads nowhere' if path.is_symlink() else 'no such file or folder'}"
-        )
+        raise RecordingError(f"{path}: {'a link that leads nowhere' if path.is_symlink() else NO_SUCH_PATH}")
     if path.is_dir():
         return _open_folder(path)
     if not path.is_file():

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from ..files import METADATA
+from ..files import METADATA, NO_SUCH_PATH
 from ..files.remote import is_url
 from ..recordings.search.base import Condition, condition
 from ..repair import RecordingError, find_files, is_finished
@@ -77,7 +77,7 @@ def follow(
             raise TypeError(f"expected the path of a recording, a folder or a pattern, got {path!r}")
         text = os.fspath(path)
         if not is_url(text) and not glob.has_magic(text) and not Path(text).expanduser().exists():
-            raise FileNotFoundError(f"{text}: no such file or folder; make the folder before its recordings come")
+            raise FileNotFoundError(f"{text}: {NO_SUCH_PATH}; make the folder before its recordings come")
     names = (topics,) if isinstance(topics, str) else tuple(topics)
     looks = _Looks(paths, _known(checked_output("follow", output, (".parquet",))), clock or RealClock())
     return _follow(wanted, looks, output, names, every, executor, longest)

@@ -9,7 +9,7 @@ from itertools import starmap
 from pathlib import Path
 from typing import NamedTuple
 
-from ..files import METADATA, is_one_recording
+from ..files import METADATA, NO_SUCH_PATH, is_one_recording
 from ..files.remote import is_url, recordings_at
 from ..repair import find_files, is_carmen, natural
 
@@ -69,7 +69,7 @@ def named_places(text: str, is_one: Callable[[Path], bool] = is_one_recording) -
         if not matches:
             yield NamedPath(path, "nothing matches this pattern")
     else:
-        yield NamedPath(path, "no such file or folder")
+        yield NamedPath(path, NO_SUCH_PATH)
 
 
 def _within(folder: Path, is_one: Callable[[Path], bool]) -> Iterator[NamedPath]:

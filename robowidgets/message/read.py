@@ -58,6 +58,8 @@ class Tree(NamedTuple):
     ``names`` of numbers, the ``count`` of messages in an array, and ``children``. ``values`` has the value of each node
     with the same nesting; see docs/developers/frames.md. ``numbers`` are the bytes of the arrays, and ``size`` is the
     approximate number of bytes that were read.
+
+    The page gets all fields within the limits above; `js/message/tree_lines.ts` chooses the ones that are lines there.
     """
 
     nodes: list[TreeNode]

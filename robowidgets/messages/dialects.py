@@ -6,7 +6,7 @@ neato2_interfaces, neato_node (ROS 1), gazebo_msgs, ros_gz_interfaces, std_msgs 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -25,6 +25,10 @@ Said = Mapping[Any, bool | None]
 class Dialect(NamedTuple):
     """One way to report touches.
 
+    A new one also needs its definition in `definitions/`, unless rosbags has it, and a line in docs/touch.md and in
+    docs/every_topic.md. Names of sensors have spaces: ``front left``. A mapping of names to flags may have any names,
+    so a message of flags fits only if the dialect knows all its fields; see `_with`.
+
     ``types``: the message types, such as ``create_msgs/Bumper``; empty for plain mappings.
     ``fits``: returns True if a message is of this dialect, by its fields: dictionaries have no type.
     ``mode``: see `TouchMode`.
@@ -42,12 +46,25 @@ class Dialect(NamedTuple):
     of_contacts: bool = False
 
 
-def _with(*names: str) -> Callable[[Any], bool]:
-    return lambda message: has(message, *names)
+def _with(*names: str, more: Iterable[str] = ()) -> Callable[[Any], bool]:
+    """Return a function that returns True if a message has fields.
+
+    A plain mapping of sensors may use the same words: then it has other names, too, or unknown states.
+    """
+    fields = {*names, *more}
+
+    def is_mapping_of_sensors(message: Any) -> bool:
+        return _is_plain(message) and (not message.keys() <= fields or None in message.values())
+
+    return lambda message: has(message, *names) and not is_mapping_of_sensors(message)
 
 
 def _is_plain(message: Any) -> bool:
     return isinstance(message, Mapping) and bool(message) and all(v is None or is_flag(v) for v in message.values())
+
+
+def _is_bool(message: Any) -> bool:
+    return _with("data")(message) and is_flag(get(message, "data"))
 
 
 _BUMPERS = ("left", "center", "right")
@@ -184,14 +201,14 @@ DIALECTS = (
     # These have True and False, like a plain mapping of names, so they come before it. The others have numbers.
     Dialect(
         types=("create_msgs/Bumper", "ca_msgs/Bumper"),
-        fits=_with("is_left_pressed", "is_right_pressed"),
+        fits=_with("is_left_pressed", "is_right_pressed", more=_CREATE.values()),
         mode=_LEVEL,
         sensors=(),  # a Create 1 has no light sensors
         read=partial(_flags, names=_CREATE),
     ),
     _flag_levels(("create_msgs/Cliff", "ca_msgs/Cliff"), _CREATE_CLIFFS),
     _flag_levels(("ca_msgs/Wheeldrop",), _CREATE_WHEELS),
-    Dialect(("std_msgs/Bool",), lambda m: is_flag(get(m, "data")), _LEVEL, (), lambda m: {"touch": flag(m, "data")}),
+    Dialect(("std_msgs/Bool",), _is_bool, _LEVEL, (), lambda m: {"touch": flag(m, "data")}),
     _neato_bump("neato2_interfaces/Bump", _NEATO),
     _neato_bump("neato_node/Bump", _NEATO_ROS1),
     Dialect((), _is_plain, _LEVEL, (), lambda message: message),

@@ -53,22 +53,22 @@ def _with(*names: str, of: type = object) -> Callable[[Any], bool]:
     return lambda message: has(message, *names) and isinstance(get(message, names[0]), of)
 
 
-class _Dialect(NamedTuple):
+class _EventForm(NamedTuple):
     """Message types, and a function that returns True if a message is one of them, by its fields."""
 
     types: tuple[str, ...]
     fits: Callable[[Any], bool]
 
 
-_LINE = _Dialect((_ROS2_LINE, _ROS1_LINE), _with("msg", "level", "name"))
-_STATUSES = _Dialect(("diagnostic_msgs/msg/DiagnosticArray",), _with("status", of=Sequence))
-_STATUS = _Dialect(("diagnostic_msgs/msg/DiagnosticStatus",), _with("message", "level", "name"))
-_JOY = _Dialect(("sensor_msgs/msg/Joy",), _with("buttons", "axes"))
-_TEXT = _Dialect((TEXT_TYPE,), _with("data", of=str))
-_PARAMETERS = _Dialect(("rcl_interfaces/msg/ParameterEvent",), _with("changed_parameters", "new_parameters", "node"))
-_GOALS = _Dialect(("action_msgs/msg/GoalStatusArray", "actionlib_msgs/msg/GoalStatusArray"), _with("status_list"))
-_CAMERA = _Dialect(("sensor_msgs/msg/CameraInfo",), _with("distortion_model", "width", "height"))
-_DIALECTS = (_LINE, _STATUSES, _STATUS, _JOY, _TEXT, _PARAMETERS, _GOALS, _CAMERA)
+_LINE = _EventForm((_ROS2_LINE, _ROS1_LINE), _with("msg", "level", "name"))
+_STATUSES = _EventForm(("diagnostic_msgs/msg/DiagnosticArray",), _with("status", of=Sequence))
+_STATUS = _EventForm(("diagnostic_msgs/msg/DiagnosticStatus",), _with("message", "level", "name"))
+_JOY = _EventForm(("sensor_msgs/msg/Joy",), _with("buttons", "axes"))
+_TEXT = _EventForm((TEXT_TYPE,), _with("data", of=str))
+_PARAMETERS = _EventForm(("rcl_interfaces/msg/ParameterEvent",), _with("changed_parameters", "new_parameters", "node"))
+_GOALS = _EventForm(("action_msgs/msg/GoalStatusArray", "actionlib_msgs/msg/GoalStatusArray"), _with("status_list"))
+_CAMERA = _EventForm(("sensor_msgs/msg/CameraInfo",), _with("distortion_model", "width", "height"))
+_FORMS = (_LINE, _STATUSES, _STATUS, _JOY, _TEXT, _PARAMETERS, _GOALS, _CAMERA)
 
 LOG_TYPES = frozenset(_LINE.types)
 """The message types of log lines."""
@@ -76,7 +76,7 @@ LOG_TYPES = frozenset(_LINE.types)
 SEVERE_TYPES = LOG_TYPES | frozenset(_STATUSES.types + _STATUS.types + _GOALS.types)
 """The message types whose events have a level."""
 
-SAID_TYPES: frozenset[str] = frozenset(name for dialect in _DIALECTS for name in dialect.types)
+SAID_TYPES: frozenset[str] = frozenset(name for form in _FORMS for name in form.types)
 """The message types that an `EventReader` reads, without touches."""
 
 REPEATED_TYPES = frozenset(_CAMERA.types)
@@ -98,7 +98,7 @@ class EventReader:
 
     def __init__(self, topic: str = "") -> None:
         self._topic = topic
-        self._reads: dict[_Dialect, Callable[[Any], list[Event]]] = {
+        self._reads: dict[_EventForm, Callable[[Any], list[Event]]] = {
             _LINE: self._line,
             _STATUSES: self._diagnostics,
             _STATUS: self._status,
@@ -138,13 +138,13 @@ class EventReader:
             return [(time_ns, message)]
         if isinstance(message, str):
             return [(time_ns, Event(message, topic=self._topic))]
-        dialect = next((one for one in _DIALECTS if one.fits(message)), None)
-        if dialect is not None:
-            return [(time_ns, event) for event in self._reads[dialect](message)]
+        form = next((one for one in _FORMS if one.fits(message)), None)
+        if form is not None:
+            return [(time_ns, event) for event in self._reads[form](message)]
         try:
             touch = to_touch(message)
         except TypeError:
-            known = ", ".join(one.types[0].replace("/msg/", "/") for one in _DIALECTS)
+            known = ", ".join(one.types[0].replace("/msg/", "/") for one in _FORMS)
             raise TypeError(
                 f"expected text, a message like one of {known}, or one of touch sensors; got {describe(message)}"
             ) from None

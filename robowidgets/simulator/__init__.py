@@ -13,6 +13,9 @@ Examples:
     (1.0, 541)
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from ..samples import Pose
 from .camera import Camera, picture
 from .motors import Motors
@@ -20,8 +23,19 @@ from .robot import Robot
 from .rooms import room
 from .scanner import Scanner
 from .sonars import Sonars
-from .view import View
 from .wander import wander
 from .world import World
 
 __all__ = ["Camera", "Motors", "Pose", "Robot", "Scanner", "Sonars", "View", "World", "picture", "room", "wander"]
+
+if TYPE_CHECKING:
+    from .view import View as View
+else:
+
+    def __getattr__(name: str) -> Any:
+        if name == "View":  # simulated programs, and searches for their stops, need no widgets
+            return import_module(".view", __name__).View
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})

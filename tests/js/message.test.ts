@@ -1,7 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { decodeMessage, type Packed, type Value } from "../../robowidgets/js/message/frame.ts";
-import { toRows } from "../../robowidgets/js/message/rows.ts";
 import { Seen, toTable } from "../../robowidgets/js/message/table.ts";
 import {
   nameOf,
@@ -23,6 +22,7 @@ import {
   toFields,
   toNumber,
 } from "../../robowidgets/js/message/tree.ts";
+import { toTreeLines } from "../../robowidgets/js/message/tree_lines.ts";
 import { frameOf } from "./vectors.ts";
 
 const NOTHING = new DataView(new ArrayBuffer(0));
@@ -125,9 +125,9 @@ test("a covariance of zeros is unknown, and one of -1 was not measured", () => {
 test("a quaternion shows its yaw, and one that was never set shows nothing", () => {
   const [field] = fieldsOf([QUATERNION], [[0, 0, Math.SQRT1_2, Math.SQRT1_2]]);
   assert.equal(toSaid(field as Field).text, "90.0\u00b0 yaw");
-  const rows = toRows([field as Field], {});
+  const lines = toTreeLines([field as Field], {});
   assert.deepEqual(
-    rows.slice(-2).map(({ label, derived }) => [label, derived]),
+    lines.slice(-2).map(({ label, derived }) => [label, derived]),
     [
       ["roll", "0.0\u00b0"],
       ["pitch", "0.0\u00b0"],
@@ -172,16 +172,16 @@ test("code reads a field by any name as its program does", () => {
 test("fields near the root are unfolded as long as there is room, and the user's choice comes first", () => {
   const children = Array.from({ length: 50 }, (_, i) => number(`f${i}`));
   const nodes: Node[] = [
-    { name: "header", kind: "message", type: "", children: [number("seq")] },
+    { name: "point", kind: "message", type: "", children: [number("x")] },
     { name: "many", kind: "message", type: "", children },
     { name: "folded", kind: "message", type: "", folded: 2000 },
   ];
   const fields = fieldsOf(nodes, [[1], children.map(() => 0), []]);
-  const keys = (folds = {}) => toRows(fields, folds).map(({ key }) => key);
-  assert.deepEqual(keys(), ["header", "header.seq", "many", "folded"]);
-  assert.deepEqual(keys({ header: false }), ["header", "many", "folded"]);
+  const keys = (folds = {}) => toTreeLines(fields, folds).map(({ key }) => key);
+  assert.deepEqual(keys(), ["point", "point.x", "many", "folded"]);
+  assert.deepEqual(keys({ point: false }), ["point", "many", "folded"]);
   assert.equal(keys({ many: true }).length, 54);
-  assert.equal(toRows(fields, { folded: true }).at(-1)?.label, "loading \u2026");
+  assert.equal(toTreeLines(fields, { folded: true }).at(-1)?.label, "loading \u2026");
 });
 
 test("a long array unfolds in parts of 32, and parts that were not sent have their place", () => {
@@ -189,9 +189,9 @@ test("a long array unfolds in parts of 32, and parts that were not sent have the
     "ranges",
     Array.from({ length: 70 }, (_, i) => i),
   );
-  const rows = toRows([long], { ranges: true, "ranges[64:70]": true });
+  const lines = toTreeLines([long], { ranges: true, "ranges[64:70]": true });
   assert.deepEqual(
-    rows.map(({ key }) => key),
+    lines.map(({ key }) => key),
     [
       "ranges",
       "ranges[0:32]",
@@ -201,7 +201,7 @@ test("a long array unfolds in parts of 32, and parts that were not sent have the
     ],
   );
   const [far] = fieldsOf([{ name: "data", kind: "numbers", type: "uint8" }], [[307200, 0, 9, 0, 0, -1]]);
-  assert.match(toRows([far as Field], { data: true }).at(-1)?.label ?? "", /data in Python has all/);
+  assert.match(toTreeLines([far as Field], { data: true }).at(-1)?.label ?? "", /data in Python has all/);
 });
 
 test("fields are found by their path, also in arrays", () => {

@@ -17,8 +17,8 @@ JS = ROOT / "js"
 
 SHARED = (
     *("samples", "messages", "poses", "camera", "shapes", "repair", "files"),
-    *("runtime", "reasons", "notebook", "widget", "kinds", "recordings", "tracks", "in_rerun"),
-    *("behaviors", "driving", "simulator"),
+    *("runtime", "reasons", "notebook", "widget", "kinds", "recordings", "conditions", "tracks"),
+    *("in_rerun", "behaviors", "driving", "simulator"),
 )
 """Values, the base of widgets, recordings, and what drives robots: they import no room."""
 

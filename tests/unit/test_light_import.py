@@ -1,4 +1,7 @@
-"""Imports of one widget, and of a lesson with the simulated robot, for which a browser fetches each package."""
+"""Imports of one widget, of a search, and of a lesson with the simulated robot.
+
+A browser fetches each package that they import.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +30,21 @@ def test_a_first_laser_widget_imports_no_other_room_and_nothing_that_drives_or_r
     assert package == "['runtime']"
     assert laser == "['laser', 'laser_widget', 'messages', 'poses', 'runtime', 'samples', 'shapes', 'widget']"
     assert others == "[]"
+
+
+SEARCH = """
+import sys
+import robowidgets
+from robowidgets import conditions
+recording = robowidgets.open(robowidgets.SAMPLE)
+assert recording.find(conditions.nearest_below(0.5) | conditions.touched())
+print(sorted({"traitlets", "ipywidgets", "anywidget"} & set(sys.modules)))
+"""
+
+
+def test_opening_a_recording_and_searching_it_imports_no_widget() -> None:
+    done = subprocess.run([sys.executable, "-c", SEARCH], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("[]\n", "")
 
 
 LESSON = """

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -37,6 +38,12 @@ def test_type_checkers_and_completion_know_each_name_that_is_imported_at_its_fir
     assert {name: getattr(robowidgets, name) for name in checked} == checked
     assert {*robowidgets.__all__, "open"} - {"SAMPLE"} <= {*checked} <= {*dir(robowidgets)}
     assert {*dir(robowidgets)} - {*checked} <= {*vars(robowidgets)}
+
+
+def test_each_public_module_is_imported_by_its_name() -> None:
+    modules = {name: one for name in robowidgets.__all__ if isinstance(one := getattr(robowidgets, name), ModuleType)}
+    assert {*modules} >= {"conditions", "feeds", "simulator"}
+    assert {name: import_module(f"robowidgets.{name}") for name in modules} == modules
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,9 @@ import { LIMITS, type Sector, type State, sweepOf } from "./sector.ts";
 const ROBOT = 15;
 export const HANDLE = 6;
 const SMALL_HANDLE = 3;
+/** Opacities of fills, in the picture and in the index view. */
+export const SECTOR_OPACITY = 0.045;
+export const PICKED_OPACITY = 0.11;
 
 /** Pixels from the scanner to the rim, where handles stand. */
 export function rimOf({ sweep, projection }: Stage): number {

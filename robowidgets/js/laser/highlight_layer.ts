@@ -6,7 +6,10 @@ import { type Sector, stretchesOf } from "./sector.ts";
 import { fillStretch } from "./strip_sector.ts";
 import type { LaserTraits } from "./traits.ts";
 
-/** Rays that a program has lit. */
+/** Of the fill of the rays. */
+const OPACITY = 0.11;
+
+/** Rays that a program has highlighted. */
 export class HighlightLayer implements Layer {
   readonly traits = ["_highlight"] as const;
   readonly #model: Model<LaserTraits>;
@@ -21,7 +24,7 @@ export class HighlightLayer implements Layer {
     return {
       fills: (context, stage, theme) => {
         for (const wedge of this.#wedges(stage)) {
-          fillWedge(context, stage.projection, wedge, rimOf(stage), theme.pointer, 0.11);
+          fillWedge(context, stage.projection, wedge, rimOf(stage), theme.pointer, OPACITY);
         }
       },
       edges: (context, stage, theme) => {
@@ -43,7 +46,7 @@ export class HighlightLayer implements Layer {
     return {
       fills: (context, strip, theme) => {
         const found = sector && strip.scan ? stretchesOf(strip.scan, sector) : (stretches ?? []);
-        const fill = { color: theme.pointer, opacity: 0.11 };
+        const fill = { color: theme.pointer, opacity: OPACITY };
         for (const stretch of found) fillStretch(context, strip, stretch, fill);
       },
     };

@@ -11,8 +11,10 @@ import {
   drawName,
   fillWedge,
   type NamePlace,
+  PICKED_OPACITY,
   pointAt,
   rimOf,
+  SECTOR_OPACITY,
 } from "./draw_sector.ts";
 import type { Depth, Drag, Host, Layer, Painter, Stage, Stops, StripPainter } from "./layer.ts";
 import { isIn, sweepOf } from "./sector.ts";
@@ -68,7 +70,7 @@ export class SectorLayer implements Layer {
     return {
       fills: (context, stage, theme) => {
         for (const one of all) {
-          const [color, opacity] = isPicked(one) ? [theme.pointer, 0.11] : [theme.ink, 0.045];
+          const [color, opacity] = isPicked(one) ? [theme.pointer, PICKED_OPACITY] : [theme.ink, SECTOR_OPACITY];
           fillWedge(context, stage.projection, one.sector, rimOf(stage), color, opacity);
         }
       },

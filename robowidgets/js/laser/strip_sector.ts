@@ -1,6 +1,6 @@
 import { write } from "../shared/canvas.ts";
 import type { Theme } from "../shared/theme.ts";
-import { HANDLE } from "./draw_sector.ts";
+import { HANDLE, PICKED_OPACITY, SECTOR_OPACITY } from "./draw_sector.ts";
 import type { Depth, StripPainter, StripStage } from "./layer.ts";
 import type { Sector, Stretch } from "./sector.ts";
 import type { SectorNumbers } from "./sector_numbers.ts";
@@ -22,7 +22,9 @@ export function sectorStrip(
   return {
     fills: (context, strip, theme) =>
       draw(strip, (one, stretches) => {
-        const fill = isPicked(one) ? { color: theme.pointer, opacity: 0.11 } : { color: theme.ink, opacity: 0.045 };
+        const fill = isPicked(one)
+          ? { color: theme.pointer, opacity: PICKED_OPACITY }
+          : { color: theme.ink, opacity: SECTOR_OPACITY };
         for (const stretch of stretches) fillStretch(context, strip, stretch, fill);
       }),
     edges: (context, strip, theme) =>

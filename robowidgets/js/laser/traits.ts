@@ -8,7 +8,7 @@ export interface Selection extends Partial<Sector> {
   name?: string;
 }
 
-/** Lit rays, by stretches of the array or by a sector, and the text on them. */
+/** Highlighted rays, by stretches of the array or by a sector, and the text on them. */
 export interface Highlight {
   text?: string;
   stretches?: Stretch[];

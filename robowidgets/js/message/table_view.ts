@@ -49,7 +49,7 @@ class CellView {
 }
 
 /** The elements of a row. */
-class RowView {
+class TableRowView {
   readonly root = make("tr", "rw-message-tr");
   readonly inner = make("tr", "rw-message-inner");
   readonly #name = make("span", "");
@@ -87,7 +87,7 @@ export class TableView {
   readonly root = make("div", "rw-message-table");
   readonly #table = make("table", "");
   readonly #note = make("p", "rw-message-note");
-  readonly #rows: RowView[] = [];
+  readonly #rows: TableRowView[] = [];
   #key = "";
 
   constructor() {
@@ -111,7 +111,7 @@ export class TableView {
 
   #build({ kind, heads, rows }: Table, columns: number): void {
     this.root.className = `rw-message-table rw-message-${kind}`;
-    this.#rows.splice(0, this.#rows.length, ...rows.map(() => new RowView(columns)));
+    this.#rows.splice(0, this.#rows.length, ...rows.map(() => new TableRowView(columns)));
     const head = make("thead", "");
     if (heads.length) {
       const line = make("tr", "");

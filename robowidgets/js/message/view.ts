@@ -9,13 +9,13 @@ import type { Stream } from "../shared/stream.ts";
 import type { Moment, Recent } from "../shared/traits.ts";
 import { decodeMessage, type Packed } from "./frame.ts";
 import { Readout } from "./readout.ts";
-import { RowView } from "./row_view.ts";
-import { type Row, toRows } from "./rows.ts";
 import { Seen, type Table, toTable } from "./table.ts";
 import { TableView } from "./table_view.ts";
 import { toCode, toNote, toSpoken, toWhole } from "./text.ts";
 import type { MessageAbout, MessageTraits } from "./traits.ts";
 import { type Field, find, isSame, toFields, toNumber } from "./tree.ts";
+import { TreeLineView } from "./tree_line_view.ts";
+import { type TreeLine, toTreeLines } from "./tree_lines.ts";
 
 /** Least milliseconds for which a change is marked. */
 const LIT_MS = 300;
@@ -24,11 +24,11 @@ const MOST_RECENT = 1000;
 const COPIED_MS = 2000;
 /** Pixels from which on there is room for the package of a type. */
 const WIDE = 520;
-/** Pixels below which the buttons of a row have short names, as in its stylesheet. */
+/** Pixels below which the buttons of a line have short names, as in its stylesheet. */
 const NARROW = 400;
 const WALK: Record<string, number> = { ArrowDown: 1, ArrowUp: -1, Home: -Infinity, End: Infinity };
 
-/** One view of a message widget: it wires the card, the tree or the table, the buttons of a row, and the keys. */
+/** One view of a message widget: it wires the card, the tree or the table, the buttons of a line, and the keys. */
 export class MessageView {
   readonly #model: Model<MessageTraits>;
   readonly #stream: Stream<Packed>;
@@ -47,12 +47,12 @@ export class MessageView {
   readonly #told = make("span", "rw-message-told");
   readonly #place = make("span", "rw-message-place");
   readonly #code = make("textarea", "rw-code rw-message-code");
-  readonly #views: RowView[] = [];
+  readonly #views: TreeLineView[] = [];
   readonly #seen = new Seen();
-  /** End of the marks of the rows of these paths. */
+  /** End of the marks of the lines of these paths. */
   readonly #lit = new Map<string, number>();
   readonly #numbers = new WeakMap<DataView, Map<string, number | null>>();
-  #rows: Row[] = [];
+  #lines: TreeLine[] = [];
   #fields: Field[] = [];
   /** The fields that were on show before, and the number of their message. */
   #before: { sequence: number; fields: Field[] } = { sequence: NaN, fields: [] };
@@ -162,25 +162,25 @@ export class MessageView {
 
   #writeTree(isChanged: (field: Field) => boolean): void {
     const views = this.#views;
-    this.#rows = toRows(this.#fields, this.#model.get("folds"));
-    const rows = this.#rows;
+    this.#lines = toTreeLines(this.#fields, this.#model.get("folds"));
+    const lines = this.#lines;
     const hadFocus = this.#tree.contains(document.activeElement);
-    while (views.length < rows.length) {
-      const view = new RowView();
+    while (views.length < lines.length) {
+      const view = new TreeLineView();
       views.push(view);
       this.#tree.append(view.root);
     }
-    for (const { root } of views.splice(rows.length)) root.remove();
-    if (!rows.some(({ key }) => key === this.#active)) this.#active = rows[0]?.key ?? "";
-    for (const [i, row] of rows.entries()) {
+    for (const { root } of views.splice(lines.length)) root.remove();
+    if (!lines.some(({ key }) => key === this.#active)) this.#active = lines[0]?.key ?? "";
+    for (const [i, line] of lines.entries()) {
       const view = views[i];
       if (!view) continue;
-      view.update(row, row.field !== null && isChanged(row.field));
-      const tabIndex = row.key === this.#active ? 0 : -1;
+      view.update(line, line.field !== null && isChanged(line.field));
+      const tabIndex = line.key === this.#active ? 0 : -1;
       if (view.root.tabIndex !== tabIndex) view.root.tabIndex = tabIndex;
     }
     this.#placeActions();
-    // Rows may have moved under the focus.
+    // Lines may have moved under the focus.
     const active = this.#viewOf(this.#active)?.root;
     if (hadFocus && document.activeElement !== active && !this.#actions.contains(document.activeElement)) {
       active?.focus({ preventScroll: true });
@@ -250,7 +250,7 @@ export class MessageView {
     return Object.fromEntries(paths.map((path) => [path, known.get(path) ?? null]));
   }
 
-  /** Updates the foot: the row under the pointer or with the focus, and the message that it belongs to. */
+  /** Updates the foot: the line under the pointer or with the focus, and the message that it belongs to. */
   #tell(): void {
     const { shown } = this.#stream;
     const { frame_id = "", recorded } = this.#about;
@@ -264,22 +264,22 @@ export class MessageView {
     setText(this.#place, recorded ? at : `message [${toCount(index)}]`);
   }
 
-  // -- rows ----------------------------------------------------------------------------------------------------------
+  // -- lines -------------------------------------------------------------------------------------------------------
 
-  #rowOf(key: string): Row | undefined {
-    return this.#rows.find((row) => row.key === key);
+  #lineOf(key: string): TreeLine | undefined {
+    return this.#lines.find((line) => line.key === key);
   }
 
-  #viewOf(key: string): RowView | undefined {
-    return this.#views[this.#rows.findIndex((row) => row.key === key)];
+  #viewOf(key: string): TreeLineView | undefined {
+    return this.#views[this.#lines.findIndex((line) => line.key === key)];
   }
 
   #fieldOf(key: string): Field | null {
-    return (this.#rowOf(key)?.field ?? null) || (this.#model.get("rows") ? (find(this.#fields, key) ?? null) : null);
+    return (this.#lineOf(key)?.field ?? null) || (this.#model.get("rows") ? (find(this.#fields, key) ?? null) : null);
   }
 
   #isOpen(key: string): boolean {
-    return this.#rowOf(key)?.isOpen ?? this.#model.get("folds")[key] ?? false;
+    return this.#lineOf(key)?.isOpen ?? this.#model.get("folds")[key] ?? false;
   }
 
   #hover(key: string): void {
@@ -289,26 +289,26 @@ export class MessageView {
     this.#tell();
   }
 
-  /** Puts the buttons into the row under the pointer, else into the one with the focus. */
+  /** Puts the buttons into the line under the pointer, else into the one with the focus. */
   #placeActions(): void {
-    const key = this.#rowOf(this.#hovered) ? this.#hovered : this.#active;
-    const row = this.#rowOf(key);
-    const view = row?.field ? this.#viewOf(key) : undefined;
+    const key = this.#lineOf(this.#hovered) ? this.#hovered : this.#active;
+    const line = this.#lineOf(key);
+    const view = line?.field ? this.#viewOf(key) : undefined;
     for (const { root } of this.#views) {
       root.classList.toggle("rw-message-picked", root === view?.root && (key === this.#hovered || this.#isFocused));
     }
-    if (!row?.field || !view) {
+    if (!line?.field || !view) {
       this.#actions.remove();
       return;
     }
-    const { kind } = row.field.node;
+    const { kind } = line.field.node;
     const isNumber = kind === "number" || kind === "flag";
     setHidden(this.#watch, !isNumber);
     setHidden(this.#plot, !isNumber || !this.#model.get("_plots") || lacksKernel(this.#model));
-    const isWatched = this.#model.get("over_time").includes(row.field.path);
+    const isWatched = this.#model.get("over_time").includes(line.field.path);
     set(this.#watch, "ariaPressed", String(isWatched));
     set(this.#watch, "title", isWatched ? "Draw it no more (w)" : "Draw it over the last seconds (w)");
-    const code = this.#codeOf(row.field);
+    const code = this.#codeOf(line.field);
     const isCopied = this.#copied === code;
     set(this.#copy, "ariaPressed", String(isCopied));
     setText(this.#copy, isCopied ? "Copied" : this.#card.width < NARROW ? "Copy" : "Copy path");
@@ -321,13 +321,13 @@ export class MessageView {
   }
 
   #activate(key: string): void {
-    if (!key || !this.#rowOf(key)) return;
+    if (!key || !this.#lineOf(key)) return;
     this.#active = key;
     for (const [i, { root }] of this.#views.entries()) {
-      const isActive = this.#rows[i]?.key === key;
+      const isActive = this.#lines[i]?.key === key;
       root.tabIndex = isActive ? 0 : -1;
-      const field = this.#rows[i]?.field;
-      // A label on a row that changes all the time would be read all the time.
+      const field = this.#lines[i]?.field;
+      // A label on a line that changes all the time would be read all the time.
       root.ariaLabel = isActive && field ? toSpoken(field, root.classList.contains("rw-message-changed")) : null;
     }
     this.#placeActions();
@@ -336,11 +336,11 @@ export class MessageView {
 
   #onClick(key: string, event: MouseEvent): void {
     if (event.target instanceof Element && event.target.closest("button")) return;
-    const row = this.#rowOf(key);
-    if (row) this.#focus(key);
-    if (row?.asks) this.#ask(row.asks);
-    else if (row && row.isOpen !== null) this.#fold(key, !row.isOpen);
-    else if (!row && key) this.#fold(key, !this.#isOpen(key));
+    const line = this.#lineOf(key);
+    if (line) this.#focus(key);
+    if (line?.asks) this.#ask(line.asks);
+    else if (line && line.isOpen !== null) this.#fold(key, !line.isOpen);
+    else if (!line && key) this.#fold(key, !this.#isOpen(key));
   }
 
   #focus(key: string): void {
@@ -353,7 +353,7 @@ export class MessageView {
   }
 
   #fold(key: string, isOpen: boolean): void {
-    const field = this.#rowOf(key)?.field;
+    const field = this.#lineOf(key)?.field;
     if (isOpen && field && isMissing(field)) this.#ask(field.path);
     setTraits(this.#model, { folds: { ...this.#model.get("folds"), [key]: isOpen } });
   }
@@ -368,9 +368,9 @@ export class MessageView {
     setTraits(this.#model, { [name]: !this.#model.get(name) });
   }
 
-  /** The number of the row under the pointer, else of the one with the focus. */
+  /** The number of the line under the pointer, else of the one with the focus. */
   get #pickedNumber(): Field | null {
-    const field = this.#rowOf(this.#rowOf(this.#hovered) ? this.#hovered : this.#active)?.field;
+    const field = this.#lineOf(this.#lineOf(this.#hovered) ? this.#hovered : this.#active)?.field;
     return field && (field.node.kind === "number" || field.node.kind === "flag") ? field : null;
   }
 
@@ -399,7 +399,7 @@ export class MessageView {
   }
 
   async #copyPath(): Promise<void> {
-    const field = this.#rowOf(this.#rowOf(this.#hovered) ? this.#hovered : this.#active)?.field;
+    const field = this.#lineOf(this.#lineOf(this.#hovered) ? this.#hovered : this.#active)?.field;
     if (!field) return;
     const code = this.#codeOf(field);
     const isCopied = await copyText(code);
@@ -422,16 +422,16 @@ export class MessageView {
 
   #onKey(event: KeyboardEvent): void {
     if (!isPlain(event) || event.target instanceof HTMLButtonElement || this.#tree.hidden) return;
-    const row = this.#rowOf(this.#active);
+    const line = this.#lineOf(this.#active);
     const by = WALK[event.key];
     if (by !== undefined) this.#walk(by);
-    else if (event.key === "ArrowRight" && row?.isOpen === false) this.#fold(row.key, true);
-    else if (event.key === "ArrowRight" && row?.isOpen) this.#walk(1);
-    else if (event.key === "ArrowLeft" && row?.isOpen) this.#fold(row.key, false);
-    else if (event.key === "ArrowLeft" && row) this.#toParent(row);
-    else if (event.key === "*" && row?.isOpen !== null) this.#unfoldAll(row);
-    else if (event.key === "Enter" && row?.asks) this.#ask(row.asks);
-    else if (event.key === "Enter" && row && row.isOpen !== null) this.#fold(row.key, !row.isOpen);
+    else if (event.key === "ArrowRight" && line?.isOpen === false) this.#fold(line.key, true);
+    else if (event.key === "ArrowRight" && line?.isOpen) this.#walk(1);
+    else if (event.key === "ArrowLeft" && line?.isOpen) this.#fold(line.key, false);
+    else if (event.key === "ArrowLeft" && line) this.#toParent(line);
+    else if (event.key === "*" && line?.isOpen !== null) this.#unfoldAll(line);
+    else if (event.key === "Enter" && line?.asks) this.#ask(line.asks);
+    else if (event.key === "Enter" && line && line.isOpen !== null) this.#fold(line.key, !line.isOpen);
     else if (event.key === "Enter" && !this.#plot.hidden) this.#askForPlot();
     else if (event.key === "w" || event.key === "Enter") this.#toggleWatch();
     else if (event.key === "c") void this.#copyPath();
@@ -440,28 +440,28 @@ export class MessageView {
   }
 
   #walk(by: number): void {
-    const at = this.#rows.findIndex(({ key }) => key === this.#active);
-    const next = this.#rows[Math.min(this.#rows.length - 1, Math.max(0, this.#isFocused ? at + by : at))];
+    const at = this.#lines.findIndex(({ key }) => key === this.#active);
+    const next = this.#lines[Math.min(this.#lines.length - 1, Math.max(0, this.#isFocused ? at + by : at))];
     if (next) this.#focus(next.key);
   }
 
-  #toParent({ key, depth }: Row): void {
-    const at = this.#rows.findIndex((row) => row.key === key);
-    const parent = this.#rows
+  #toParent({ key, depth }: TreeLine): void {
+    const at = this.#lines.findIndex((line) => line.key === key);
+    const parent = this.#lines
       .slice(0, at)
-      .filter((row) => row.depth < depth)
+      .filter((line) => line.depth < depth)
       .at(-1);
     if (parent) this.#focus(parent.key);
   }
 
-  /** Unfolds a row, and all messages below it that were sent. */
-  #unfoldAll(row: Row | undefined): void {
+  /** Unfolds a line, and all messages below it that were sent. */
+  #unfoldAll(line: TreeLine | undefined): void {
     const folds = { ...this.#model.get("folds") };
     const unfold = (field: Field) => {
       folds[field.path] = true;
       for (const child of field.children ?? []) if (child.children) unfold(child);
     };
-    if (row?.field) unfold(row.field);
+    if (line?.field) unfold(line.field);
     setTraits(this.#model, { folds });
   }
 }

@@ -87,7 +87,9 @@ class Condition(ABC):
     @property
     @abstractmethod
     def reads(self) -> frozenset[str]:
-        """The names of the samples that `judge` reads, such as ``{"scan"}``, or empty for a function of a moment.
+        """The names that `judge` reads: of samples, such as ``{"scan"}``, or of a topic with a field: ``{"/imu.x"}``.
+
+        A function of a moment has no names.
 
         Raises:
             TypeError: the condition needs more than one moment.

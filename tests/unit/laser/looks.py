@@ -33,6 +33,13 @@ def _layers() -> LaserWidget:
     return laser
 
 
+def _sectors() -> LaserWidget:
+    laser = LaserWidget(title="/scan", sectors={"left": ("40deg", "80deg"), "front": "front"}, index_view=True)
+    laser.update(_scan())
+    laser.highlight(slice(2, 5))
+    return laser
+
+
 def _frozen() -> LaserWidget:
     laser = _live()
     laser.get_state()
@@ -52,6 +59,7 @@ LOOKS = {
     "laser/empty": Look(make=lambda: LaserWidget(title="/scan")),
     "laser/live": Look(make=_live),
     "laser/layers": Look(make=_layers, height=320),
+    "laser/picked": Look(make=_sectors, traits={"_selection": {"name": "front"}}, height=320),
     "laser/stale": Look(make=_live, traits={"_silence": 6.0}),
     "laser/frozen": Look(make=_frozen),
     "laser/failed": Look(make=_failed),

@@ -263,6 +263,26 @@ def test_a_plain_mapping_may_use_the_words_of_messages(names: tuple[str, ...]) -
     assert to_touch(dict.fromkeys(names, True)).sensors == names
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("data",),
+        ("left_side", "left_front", "right_front", "right_side"),
+        ("leftSide", "leftFront", "rightFront", "rightSide"),
+        ("is_left_pressed", "is_right_pressed"),
+        ("is_left_dropped", "is_right_dropped"),
+        tuple(f"is_cliff_{place}" for place in CLIFFS),
+    ],
+)
+def test_a_plain_mapping_with_all_fields_of_a_message_loses_no_other_name_and_no_unknown_state(
+    names: tuple[str, ...],
+) -> None:
+    more = {**dict.fromkeys(names, True), "back": True}
+    assert dict(to_touch(more).touched) == more
+    unknown = {**dict.fromkeys(names, True), names[-1]: None}
+    assert dict(to_touch(unknown).touched) == unknown
+
+
 def test_a_touch_is_returned_as_it_is() -> None:
     touch = Touch({"left": True}, EVENT)
     assert to_touch(touch) is touch

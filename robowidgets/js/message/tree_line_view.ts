@@ -1,9 +1,9 @@
 import { make, set, setHidden, setText } from "../shared/dom.ts";
-import type { Row } from "./rows.ts";
 import { toSaid } from "./text.ts";
+import type { TreeLine } from "./tree_lines.ts";
 
-/** The elements of a row of the tree. */
-export class RowView {
+/** The elements of a line of the tree. */
+export class TreeLineView {
   readonly root = make("div", "rw-message-row");
   readonly #fold = make("span", "rw-message-fold");
   readonly #name = make("span", "rw-message-name");
@@ -19,15 +19,15 @@ export class RowView {
     this.root.append(this.#fold, this.#name, this.#derived, this.#gap, this.#more, this.#value, this.#unit);
   }
 
-  /** The place for the buttons of the row. */
+  /** The place for the buttons of the line. */
   get gap(): HTMLElement {
     return this.#gap;
   }
 
-  update(row: Row, isChanged: boolean): void {
-    const { field, depth, isOpen, label, derived, asks } = row;
+  update(line: TreeLine, isChanged: boolean): void {
+    const { field, depth, isOpen, label, derived, asks } = line;
     const { root } = this;
-    if (root.dataset.rwRow !== row.key) root.dataset.rwRow = row.key;
+    if (root.dataset.rwRow !== line.key) root.dataset.rwRow = line.key;
     const level = String(depth + 1);
     if (root.ariaLevel !== level) {
       root.ariaLevel = level;
