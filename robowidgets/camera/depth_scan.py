@@ -56,6 +56,7 @@ def depth_scan(
     Source: depthimage_to_laserscan, REP-118.
 
     Examples:
+        >>> from robowidgets import CameraInfo
         >>> info = CameraInfo(5, 3, [4, 0, 2, 0, 4, 1, 0, 0, 1], frame_id="depth_optical_frame")
         >>> scan = depth_scan(np.full((3, 5), 2.0), info)
         >>> len(scan), scan.ranges.round(2).tolist(), scan.frame_id
