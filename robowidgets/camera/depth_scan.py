@@ -60,7 +60,7 @@ def depth_scan(
         >>> info = CameraInfo(5, 3, [4, 0, 2, 0, 4, 1, 0, 0, 1], frame_id="depth_optical_frame")
         >>> scan = depth_scan(np.full((3, 5), 2.0), info)
         >>> len(scan), scan.ranges.round(2).tolist(), scan.frame_id
-        (5, [2.240000009536743, 2.059999942779541, 2.0, 2.059999942779541, 2.240000009536743], 'depth_frame')
+        (5, [2.059999942779541, nan, 2.0, 2.059999942779541, 2.240000009536743], 'depth_frame')
     """
     if isinstance(depth, Image) or has(depth, "encoding", "data"):
         picture = to_image(depth)
