@@ -96,7 +96,7 @@ class Part:
 
 @pytest.mark.slow
 def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> None:
-    """At most 0.6 times the size of its topics as MCAP with zstd and 190 kB, except for noisy readings."""
+    """At most 0.6 times the size of its topics as MCAP with zstd and 195 kB, except for noisy readings."""
     for name in ("hokuyo_people.bag", "tilt_laser.bag", "urg_681.bag", "neato_fsm_zstd.mcap", "edmonton.log.gz"):
         file = data / "good" / name
         with robowidgets.open(file) as recording:
@@ -104,7 +104,7 @@ def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> N
             size = recording.to_html(tmp_path / "a.html").stat().st_size
         with closing(open_source(file)) as source:
             mcap = write(Part(source, topics), tmp_path / "a.mcap").size
-        assert size <= 0.6 * mcap + 190_000, name
+        assert size <= 0.6 * mcap + 195_000, name
 
 
 def test_numbers_keep_the_sign_of_zero() -> None:
