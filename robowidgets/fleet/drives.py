@@ -16,7 +16,7 @@ from ..files.remote import is_url
 from ..notebook.progress import without_bars
 from ..recording import open as open_recording
 from ..recordings.columns.tables import library
-from ..recordings.search._fields import Field
+from ..recordings.search import conditions
 from ..recordings.search.base import Condition, condition
 from ..recordings.search.instant import Instant
 from ..recordings.search.seconds import SECOND, seconds_of
@@ -68,7 +68,7 @@ class Drives(HasTable):
         self.topics = self._file.topics
         """Names and patterns of preferred topics, for recordings with several topics of a kind."""
         self.fields = self._file.fields
-        """The fields of topics of which it has the values."""
+        """The fields of topics whose values it has."""
         self.identity = self._file.identity
 
     def __len__(self) -> int:
@@ -233,7 +233,9 @@ def index(
     parquet = library("pyarrow.parquet", "index")
     target = checked_output("index", output, (".parquet",))
     names = (topics,) if isinstance(topics, str) else tuple(topics)
-    columns = tuple(dict.fromkeys(Field(name).name for name in ((fields,) if isinstance(fields, str) else fields)))
+    columns = tuple(
+        dict.fromkeys(conditions.field(name).name for name in ((fields,) if isinstance(fields, str) else fields))
+    )
     identity = identity_or_none(("index", FORM, names, columns) if columns else ("index", FORM, names))
     about = {"form": FORM, "topics": names, "identity": identity, "fields": columns}
     schema = schema_of(columns, about)

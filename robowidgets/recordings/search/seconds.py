@@ -146,7 +146,7 @@ def seconds_of(recording: RecordingData, fields: Collection[str] = ()) -> dict[s
 
     Args:
         recording: the recording.
-        fields: the names of fields of topics, of which it has the values too.
+        fields: the names of fields of topics, whose values are columns too.
     """
     start, end = recording.start_ns, recording.end_ns
     if start is None or end is None:
