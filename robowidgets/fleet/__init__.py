@@ -6,6 +6,7 @@ from .following import EVERY, follow
 from .hits import Hit, Hits
 from .places import the_only
 from .search import find
+from .statistics import Statistics
 from .summary import Summary, summary
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "Drives",
     "Hit",
     "Hits",
+    "Statistics",
     "Summary",
     "doctor",
     "drives",

@@ -20,7 +20,7 @@ from ..speed.row import SPEED
 from ..touch.row import TOUCH
 
 FORM = 1
-_TEXTS = ("touched", "sensors", *(kind.sample_name for kind in (LASER, SPEED, TOUCH)))
+TEXTS = ("touched", "sensors", *(kind.sample_name for kind in (LASER, SPEED, TOUCH)))
 _OF_DRIVE = ("file", "state", "problem")
 _COLUMNS: dict[str, RowType] = {
     **dict.fromkeys(_OF_DRIVE, text),
@@ -28,7 +28,7 @@ _COLUMNS: dict[str, RowType] = {
     "second": whole,
     "date": date,
     **{name: short_number if name in NEAREST else number for name in NUMBERS},
-    **dict.fromkeys(_TEXTS, text),
+    **dict.fromkeys(TEXTS, text),
 }
 """The columns with their types, without fields."""
 _AHEAD: dict[str, Any] = {"batch_readahead": 4, "fragment_readahead": 1}
@@ -61,7 +61,7 @@ class IndexFile:
         self.topics: tuple[str, ...] = tuple(about["topics"])
         self.fields: tuple[str, ...] = tuple(about.get("fields", ()))
         self.identity: str | None = about["identity"]
-        self._texts = {*_OF_DRIVE, *_TEXTS, *self.fields}
+        self._texts = {*_OF_DRIVE, *TEXTS, *self.fields}
         as_dictionary = dataset.ParquetReadOptions(dictionary_columns=self._texts)
         self.dataset = dataset.dataset(path, format=dataset.ParquetFileFormat(read_options=as_dictionary))
 

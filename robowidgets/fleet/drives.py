@@ -28,13 +28,14 @@ from ..runtime.text import many
 from ._engine import LONGEST
 from ._fleet_table import Unread, not_read
 from ._gather import FromAll, gather, identity_or_none
-from ._index_file import FORM, IndexFile, schema_of
+from ._index_file import FORM, TEXTS, IndexFile, schema_of
 from ._kept import states_of
 from ._topics import chosen_of
 from .drive_table import DriveTable
 from .hits import Hits
 from .places import PathLike
 from .search import hits_of, search
+from .statistics import By, Statistics, statistics
 
 _ROWS = 100_000
 """Rows that are written at once: the size of a row group of the file."""
@@ -184,6 +185,51 @@ class Drives(HasTable):
             ... # doctest: +SKIP
         """
         return DriveTable(self.files, names, at, how, executor, longest)
+
+    def statistics(
+        self,
+        *fields: str | conditions.Field,
+        by: By | None = None,
+        quantiles: Sequence[float] = (0.05, 0.5, 0.95),
+        executor: Any = None,
+        longest: float = LONGEST,
+    ) -> Statistics:
+        """Return counts, mean, limits and quantiles of numbers in all these recordings, each message counted once.
+
+        The recordings are read message by message. Quantiles are exact up to 100,000 different values in a group;
+        beyond, they differ from the exact ones by 0.1 % of their size at most, in any order of the recordings.
+
+        Args:
+            *fields: topics with fields or sectors, such as ``"/odom.twist.twist.linear.x"`` and ``"/scan.front"``;
+                sectors of the scan of each recording, such as ``"front"`` or ``"nearest"``; axes of its speed, such as
+                ``"linear.x"``; or fields, such as ``abs(conditions.field("/imu.angular_velocity.z"))``.
+            by: the groups: ``"file"``, ``"folder"``, ``"day"`` in UTC; a column of texts of the index, such as
+                ``"scan"``; a topic with a field whose first value counts, such as ``"/version.data"``; a mapping from
+                files, or a function of the file, to the name of the group; or None for all together.
+            quantiles: numbers from 0 to 1.
+            executor: as for `find`.
+            longest: as for `find`.
+
+        Raises:
+            TypeError, ValueError: an argument is not as described. RecordingError: no recording has one of the fields.
+
+        Example:
+            >>> drives.statistics("front", "linear.x", by="folder").to_pandas()  # doctest: +SKIP
+        """
+        known = None
+        if isinstance(by, str) and by not in ("file", "folder") and not by.startswith("/"):
+            known = self._group_by(by)
+        return statistics(self.files, fields, by, known, quantiles, self.topics, executor, longest)
+
+    def _group_by(self, by: str) -> dict[str, str]:
+        """Return the group of each recording by a column of the index, or by day."""
+        columns = [name for name in TEXTS if name != "touched"]
+        if by not in (*columns, "day"):
+            there = ", ".join(map(repr, ("file", "folder", "day", *columns)))
+            raise ValueError(f"by: expected one of {there}, a topic with a field, a mapping or a function, got {by!r}")
+        values = self._file.first_values("date" if by == "day" else by).to_pylist()
+        texts = ("" if value is None else value if by != "day" else f"{value:%Y-%m-%d}" for value in values)
+        return dict(zip(self._file.files.to_pylist(), texts, strict=True))
 
     def _table(self) -> Table:
         head = f"{self.path.name}: {many(len(self), 'recording')}, {many(self.dataset.count_rows(), 'row')}"

@@ -45,7 +45,7 @@ class Field:
             raise TypeError(expected)
         if "." not in name.strip("."):
             raise ValueError(expected)
-        self.name, self._is_size = name, is_size
+        self.name, self.is_size = name, is_size
 
     def __lt__(self, limit: Any) -> Condition:
         return self._compared("<", limit)
@@ -76,10 +76,10 @@ class Field:
         raise TypeError(f"{self!r} is neither true nor false by itself: compare it, as in field({self.name!r}) == True")
 
     def __repr__(self) -> str:
-        return f"abs(field({self.name!r}))" if self._is_size else f"field({self.name!r})"
+        return f"abs(field({self.name!r}))" if self.is_size else f"field({self.name!r})"
 
     def _compared(self, relation: str, limit: Any) -> Condition:
-        return FieldCondition(self.name, relation, limit, is_size=self._is_size)
+        return FieldCondition(self.name, relation, limit, is_size=self.is_size)
 
 
 class FieldCondition(Condition):
