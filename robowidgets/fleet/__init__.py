@@ -5,6 +5,7 @@ from .drives import Drives, drives, index, is_index
 from .following import EVERY, follow
 from .hits import Hit, Hits
 from .places import the_only
+from .rate_comparison import RateComparison, RateTable
 from .search import find
 from .statistics import Statistics
 from .summary import Summary, summary
@@ -15,6 +16,8 @@ __all__ = [
     "Drives",
     "Hit",
     "Hits",
+    "RateComparison",
+    "RateTable",
     "Statistics",
     "Summary",
     "doctor",

@@ -101,7 +101,7 @@ class IndexFile:
         asked = _Asked(_with_fields(self.fields))
         wanted.possible(SecondRows(asked, asked))
         found = []
-        for batch in self._batches(dict.fromkeys(["file", *asked.names])):
+        for batch in self.batches(dict.fromkeys(["file", *asked.names])):
             columns = {name: batch.column(name) for name in batch.schema.names}
             rows = SecondRows(
                 {name: column.to_numpy(False) for name, column in columns.items() if name not in self._texts},
@@ -123,7 +123,7 @@ class IndexFile:
     def seconds(self) -> NDArray[np.int64]:
         """The number of seconds that have begun in each of `files`, 0 for a recording without messages."""
         files, lasts = [], []
-        for batch in self._batches(("file", "second")):
+        for batch in self.batches(("file", "second")):
             file = batch.column("file")
             last = np.zeros(len(file.dictionary), np.int64)
             np.maximum.at(last, file.indices.to_numpy(False), batch.column("second").fill_null(-1).to_numpy(False) + 1)
@@ -152,7 +152,8 @@ class IndexFile:
         rows = self.dataset.to_table(["file", column], filter=field.is_null() | (field == 0), **_AHEAD)
         return _flat(rows[column]).take(compute.index_in(self.files, value_set=_flat(rows["file"])))
 
-    def _batches(self, columns: Iterable[str]) -> Iterator[Any]:
+    def batches(self, columns: Iterable[str]) -> Iterator[Any]:
+        """Yield some columns of all rows, part by part; only some parts are in memory."""
         yield from self.dataset.to_batches(columns=list(columns), **_AHEAD)
 
 

@@ -34,6 +34,7 @@ from ._topics import chosen_of
 from .drive_table import DriveTable
 from .hits import Hits
 from .places import PathLike
+from .rate_comparison import RateComparison, SearchedSet
 from .search import hits_of, search
 from .statistics import By, Statistics, statistics
 
@@ -64,31 +65,32 @@ class Drives(HasTable):
 
     def __init__(self, path: PathLike) -> None:
         self.path = Path(os.fsdecode(path)).expanduser().absolute()
-        self._file = IndexFile(self.path)
-        self.dataset = self._file.dataset
-        self.topics = self._file.topics
+        self.index_file = IndexFile(self.path)
+        """Its drives as arrays."""
+        self.dataset = self.index_file.dataset
+        self.topics = self.index_file.topics
         """Names and patterns of preferred topics, for recordings with several topics of a kind."""
-        self.fields = self._file.fields
+        self.fields = self.index_file.fields
         """The fields of topics whose values it has."""
-        self.identity = self._file.identity
+        self.identity = self.index_file.identity
 
     def __len__(self) -> int:
-        return len(self._file.files)
+        return len(self.index_file.files)
 
     @cached_property
     def files(self) -> tuple[str, ...]:
         """The recordings, sorted by name."""
-        return tuple(sorted(self._file.files.to_pylist(), key=natural))
+        return tuple(sorted(self.index_file.files.to_pylist(), key=natural))
 
     @cached_property
     def states(self) -> dict[str, str | None]:
         """The state of each recording when it was read, or None if the state was unknown or it could not be read."""
-        return dict(zip(self._file.files.to_pylist(), self._file.states.to_pylist(), strict=True))
+        return dict(zip(self.index_file.files.to_pylist(), self.index_file.states.to_pylist(), strict=True))
 
     @property
     def unread(self) -> tuple[Unread, ...]:
         """The recordings that could not be read, with the reasons."""
-        return tuple(starmap(Unread, self._file.unread()))
+        return tuple(starmap(Unread, self.index_file.unread()))
 
     def to_arrow(self) -> Any:
         """Return the whole index as a pyarrow Table."""
@@ -107,19 +109,21 @@ class Drives(HasTable):
         Raises:
             TypeError: ``given`` is not a condition.
         """
-        found = self._file.possible(condition(given))
-        found |= self._file.states.is_null().to_numpy(False)
+        found = self.index_file.possible(condition(given))
+        found |= self.index_file.states.is_null().to_numpy(False)
         if check:
             ruled_out = np.flatnonzero(~found)
             found[ruled_out[self._are_changed(ruled_out)]] = True
-        return sorted(self._file.files.filter(found).to_pylist(), key=natural)
+        return sorted(self.index_file.files.filter(found).to_pylist(), key=natural)
 
     def _are_changed(self, which: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return True for each of some recordings, by number, that is not in the same state as when it was read."""
         found = np.zeros(len(which), bool)
         for start in range(0, len(which), _ROWS):
             part = which[start : start + _ROWS]
-            files, before = (column.take(part).to_pylist() for column in (self._file.files, self._file.states))
+            files, before = (
+                column.take(part).to_pylist() for column in (self.index_file.files, self.index_file.states)
+            )
             now = states_of(file if is_url(file) else Path(file) for file in files)
             found[start : start + _ROWS] = [now[file].text != state for file, state in zip(files, before, strict=True)]
         return found
@@ -156,7 +160,7 @@ class Drives(HasTable):
             found = search(wanted, asked, self.topics, executor, longest, keep)
         until = found.rows["until"]
         told = f"by the index {many(ruled_out, 'file')} had no such moment, and were not read" if ruled_out else ""
-        files = self._file.files.to_pylist()
+        files = self.index_file.files.to_pylist()
         found.rows.update(files=files, until=until and until + ruled_out, told=told)
         return found
 
@@ -221,15 +225,57 @@ class Drives(HasTable):
             known = self._group_by(by)
         return statistics(self.files, fields, by, known, quantiles, self.topics, executor, longest)
 
+    def compare(
+        self,
+        other: Drives,
+        given: Condition | Callable[[Instant], Any],
+        *,
+        check: bool = True,
+        executor: Any = None,
+        longest: float = LONGEST,
+        keep: bool = True,
+    ) -> RateComparison:
+        """Return how often a condition becomes true per hour in these drives and in others, and where it differs.
+
+        Both are searched by `find`. The interval of the difference is computed, not drawn by lot: equal for equal
+        drives. `RateComparison.by_file` and `RateComparison.by_place` show where the spans are.
+
+        Args:
+            other: the other drives, such as the ones of a new version.
+            given: as for `find`.
+            check: as for `candidates`.
+            executor: as for `find`.
+            longest: as for `find`.
+            keep: as for `find`.
+
+        Raises:
+            TypeError: ``other`` is not an index, or as for `find`.
+
+        Example:
+            >>> old.compare(new, robowidgets.conditions.touched())  # doctest: +SKIP
+        """
+        if not isinstance(other, Drives):
+            raise TypeError(f"compare(): expected drives of another index, as from robowidgets.drives(), got {other!r}")
+        wanted = condition(given)
+        sets = [
+            SearchedSet(
+                drives.path.stem if self.path.stem != other.path.stem else str(drives.path),
+                drives.find(wanted, check=check, executor=executor, longest=longest, keep=keep),
+                drives.index_file,
+            )
+            for drives in (self, other)
+        ]
+        return RateComparison(str(wanted), *sets)
+
     def _group_by(self, by: str) -> dict[str, str]:
         """Return the group of each recording by a column of the index, or by day."""
         columns = [name for name in TEXTS if name != "touched"]
         if by not in (*columns, "day"):
             there = ", ".join(map(repr, ("file", "folder", "day", *columns)))
             raise ValueError(f"by: expected one of {there}, a topic with a field, a mapping or a function, got {by!r}")
-        values = self._file.first_values("date" if by == "day" else by).to_pylist()
+        values = self.index_file.first_values("date" if by == "day" else by).to_pylist()
         texts = ("" if value is None else value if by != "day" else f"{value:%Y-%m-%d}" for value in values)
-        return dict(zip(self._file.files.to_pylist(), texts, strict=True))
+        return dict(zip(self.index_file.files.to_pylist(), texts, strict=True))
 
     def _table(self) -> Table:
         head = f"{self.path.name}: {many(len(self), 'recording')}, {many(self.dataset.count_rows(), 'row')}"
