@@ -65,36 +65,47 @@ class IndexFile:
         as_dictionary = dataset.ParquetReadOptions(dictionary_columns=self._texts)
         self.dataset = dataset.dataset(path, format=dataset.ParquetFileFormat(read_options=as_dictionary))
 
-    @property
+    @cached_property
     def files(self) -> Any:
         """The recordings as a pyarrow array of texts, in any order."""
-        return self._drives["file"]
-
-    @property
-    def states(self) -> Any:
-        """The state of each recording when it was read, null if it was unknown or it could not be read."""
-        return self._drives["state"]
-
-    @property
-    def problems(self) -> Any:
-        """The reason why each recording could not be read, or null."""
-        return self._drives["problem"]
+        return self._of_drives("file")
 
     @cached_property
-    def _drives(self) -> dict[str, Any]:
-        """The columns of the first row of each recording."""
+    def states(self) -> Any:
+        """The state of each recording when it was read, null if it was unknown or it could not be read."""
         arrow, compute = library("pyarrow", "drives"), library("pyarrow.compute", "drives")
+        nothing = arrow.scalar(None, arrow.large_string())
+        return compute.if_else(compute.is_null(self.problems), self._of_drives("state"), nothing)
+
+    @cached_property
+    def problems(self) -> Any:
+        """The reason why each recording could not be read, or null."""
+        return self._of_drives("problem")
+
+    @cached_property
+    def has_state(self) -> NDArray[np.bool_]:
+        """True for each recording that has a state, found without the texts of the states, which are long."""
+        dataset = library("pyarrow.dataset", "drives")
+        found = self._of_drives({"state": dataset.field("state").is_valid() & dataset.field("problem").is_null()})
+        return np.asarray(found.to_numpy(False), bool)
+
+    def _of_drives(self, column: str | Mapping[str, Any]) -> Any:
+        """Return a column of the first row of each recording."""
+        return self._first(column) if self._chosen is None else self._first(column).take(self._chosen)
+
+    @cached_property
+    def _chosen(self) -> Any:
+        """The first rows that count, or None for all: if files of a folder have the same recording, its last one."""
+        files = self._first("file")
+        if len(library("pyarrow.compute", "drives").unique(files)) == len(files):
+            return None
+        places = {file: place for place, file in enumerate(files.to_pylist())}
+        return library("pyarrow", "drives").array(places.values())
+
+    def _first(self, column: str | Mapping[str, Any]) -> Any:
         second = library("pyarrow.dataset", "drives").field("second")
-        first = self.dataset.to_table(list(_OF_DRIVE), filter=second.is_null() | (second == 0), **_AHEAD)
-        columns = {name: _flat(first[name]) for name in _OF_DRIVE}
-        columns["state"] = compute.if_else(
-            compute.is_null(columns["problem"]), columns["state"], arrow.scalar(None, arrow.large_string())
-        )
-        places = {file: place for place, file in enumerate(columns["file"].to_pylist())}
-        if len(places) == len(columns["file"]):
-            return columns
-        # Files of a folder have the same recording: the last of them counts.
-        return {name: column.take(arrow.array(places.values())) for name, column in columns.items()}
+        columns = [column] if isinstance(column, str) else column
+        return _flat(self.dataset.to_table(columns, filter=second.is_null() | (second == 0), **_AHEAD).column(0))
 
     def possible(self, wanted: Condition) -> NDArray[np.bool_]:
         """Return True for each of `files` in which a condition may have been true, according to its rows."""
@@ -148,9 +159,7 @@ class IndexFile:
 
     def first_values(self, column: str) -> Any:
         """Return the value of a column in the first row of each of `files`, as a pyarrow array."""
-        compute, field = library("pyarrow.compute", "drives"), library("pyarrow.dataset", "drives").field("second")
-        rows = self.dataset.to_table(["file", column], filter=field.is_null() | (field == 0), **_AHEAD)
-        return _flat(rows[column]).take(compute.index_in(self.files, value_set=_flat(rows["file"])))
+        return self._of_drives(column)
 
     def batches(self, columns: Iterable[str]) -> Iterator[Any]:
         """Yield some columns of all rows, part by part; only some parts are in memory."""

@@ -110,7 +110,7 @@ class Drives(HasTable):
             TypeError: ``given`` is not a condition.
         """
         found = self.index_file.possible(condition(given))
-        found |= self.index_file.states.is_null().to_numpy(False)
+        found |= ~self.index_file.has_state
         if check:
             ruled_out = np.flatnonzero(~found)
             found[ruled_out[self._are_changed(ruled_out)]] = True
