@@ -235,7 +235,7 @@ class Drives(HasTable):
         longest: float = LONGEST,
         keep: bool = True,
     ) -> RateComparison:
-        """Return how often a condition becomes true per hour in these drives and in others, and where it differs.
+        """Return how often a condition becomes true per hour in these drives and in others, with the difference.
 
         Both are searched by `find`. The interval of the difference is computed, not drawn by lot: equal for equal
         drives. `RateComparison.by_file` and `RateComparison.by_place` show where the spans are.

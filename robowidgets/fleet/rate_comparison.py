@@ -200,7 +200,7 @@ class RateComparison(FleetTable):
             verdict = f"{self._sets[1].name} has {'more' if self.difference.per_hour > 0 else 'fewer'} per hour"
         else:
             verdict = "the sets do not differ beyond chance"
-        notes = [f"  {verdict}; low and high: 95 % (Poisson, MOVER; variance between drives: {self.spread:.3g})"]
+        notes = [f"  low and high: 95 % (Poisson, MOVER; variance between drives: {self.spread:.3g})"]
         return Table(f"{self.condition}: {verdict}", heads, rows, range(1, len(heads)), notes, list(self._complaints()))
 
 

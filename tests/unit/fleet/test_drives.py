@@ -216,6 +216,18 @@ def test_an_index_without_fields_is_one_of_before_and_is_read(runs: Path, output
             index(runs, output=output, fields=[wrong])  # type: ignore[list-item]
 
 
+def test_a_recording_in_two_files_of_a_folder_counts_once(runs: Path, tmp_path: Path) -> None:
+    for name, recording in (("monday", "run_2.mcap"), ("tuesday", "run_10.mcap"), ("again", "run_2.mcap")):
+        (tmp_path / "index").mkdir(exist_ok=True)
+        index(runs / recording, output=tmp_path / "index" / f"{name}.parquet", executor=Here())
+    there = drives(tmp_path / "index")
+    assert there.files == (str(runs / "run_2.mcap"), str(runs / "run_10.mcap"))
+    assert len(there) == 2
+    assert there.candidates(NEVER) == []
+    os.utime(runs / "run_10.mcap", (1, 1))
+    assert there.candidates(NEVER) == [str(runs / "run_10.mcap")]
+
+
 def test_an_index_that_is_trusted_looks_at_no_recording(
     runs: Path, output: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
