@@ -15,7 +15,7 @@ ERROR = 0.001
 _GROWTH = (1 + ERROR) / (1 - ERROR)
 
 
-class Numbers(NamedTuple):
+class ValueCounts(NamedTuple):
     """Different finite numbers, ascending, and how many there are of each; both of shape (N,)."""
 
     values: NDArray[np.float64]
@@ -37,7 +37,7 @@ class Tally:
         self.drives = 0
         self.is_exact = True
         self._sums: list[float] = []
-        self._numbers = Numbers(np.empty(0), np.empty(0, np.int64))
+        self._numbers = ValueCounts(np.empty(0), np.empty(0, np.int64))
 
     @property
     def count(self) -> int:
@@ -60,7 +60,7 @@ class Tally:
         if len(finite):
             self.least, self.most = min(self.least, float(finite.min())), max(self.most, float(finite.max()))
             self._sums = [fsum([*self._sums, float(finite.sum())])]
-            self._put(Numbers(*np.unique(finite, return_counts=True)), is_exact=True)
+            self._put(ValueCounts(*np.unique(finite, return_counts=True)), is_exact=True)
 
     def merge(self, other: Tally) -> None:
         """Add the values of another one."""
@@ -85,7 +85,7 @@ class Tally:
         found = low + (high - low) * (place - floor(place))
         return min(max(found, self.least), self.most)
 
-    def _put(self, more: Numbers, *, is_exact: bool) -> None:
+    def _put(self, more: ValueCounts, *, is_exact: bool) -> None:
         both = [self._numbers, more]
         if self.is_exact and is_exact:
             merged = _merged(both)
@@ -93,14 +93,14 @@ class Tally:
                 self._numbers = merged
                 return
         self.is_exact = False
-        self._numbers = _merged([Numbers(_binned(one.values), one.counts) for one in both])
+        self._numbers = _merged([ValueCounts(_binned(one.values), one.counts) for one in both])
 
 
-def _merged(parts: list[Numbers]) -> Numbers:
+def _merged(parts: list[ValueCounts]) -> ValueCounts:
     values = np.concatenate([part.values for part in parts])
     counts = np.concatenate([part.counts for part in parts])
     different, where = np.unique(values, return_inverse=True)
-    return Numbers(different, np.bincount(where, counts, len(different)).astype(np.int64))
+    return ValueCounts(different, np.bincount(where, counts, len(different)).astype(np.int64))
 
 
 def _binned(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""A search on a cluster of Dask with two workers, of which one is killed, and whose scheduler is."""
+"""A search on a cluster of Dask with two workers, if one of them or the scheduler is killed."""
 
 from __future__ import annotations
 
