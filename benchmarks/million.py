@@ -16,7 +16,7 @@ import pyarrow.parquet as parquet
 import robowidgets
 from robowidgets.notebook.progress import without_bars
 
-from .drives import make
+from .drives import DIFFERENT, simulated
 
 COUNT = 1000
 """The number of recordings, and how often each is in the large index."""
@@ -53,10 +53,14 @@ def compare(count: int = COUNT) -> None:
     """Print what both indexes cost."""
     with tempfile.TemporaryDirectory() as folder, without_bars():
         root = Path(folder)
-        make(root / "runs", count)
-        small = robowidgets.index(root / "runs", output=root / "small.parquet").path
+        runs = root / "runs"
+        runs.mkdir()
+        different = [simulated(runs / f"drive_{i:04}", i).read_bytes() for i in range(DIFFERENT)]
+        for i in range(DIFFERENT, count):
+            (runs / f"drive_{i:04}.mcap").write_bytes(different[i % DIFFERENT])
+        small = robowidgets.index(runs, output=root / "small.parquet").path
         large = root / "large.parquet"
-        repeat(small, root / "runs", root / "many", large, count)
+        repeat(small, runs, root / "many", large, count)
         for path in (small, large):
             drives = robowidgets.drives(path)
             print(
