@@ -17,6 +17,7 @@ from . import (
     leaks,
     measure,
     memory,
+    million,
     pages,
     player,
     plots,
@@ -145,6 +146,9 @@ def main() -> None:
     parser.add_argument(
         "--drives", nargs="?", type=int, const=drives.COUNT, metavar="COUNT", help="many recordings; writes nothing"
     )
+    parser.add_argument(
+        "--million", nargs="?", type=int, const=million.COUNT, metavar="COUNT", help="large indexes; writes nothing"
+    )
     parser.add_argument("--only", nargs="+", choices=NAMES, default=NAMES, help="libraries; writes nothing")
     options = parser.parse_args()
     repeats, seconds, long = (1, 1.0, 6.0) if options.quick else (3, 3.0, 60.0)
@@ -197,6 +201,9 @@ def main() -> None:
         return
     if options.drives:
         drives.compare(options.drives)
+        return
+    if options.million:
+        million.compare(options.million)
         return
     if options.hour:
         with open_stage() as stage:

@@ -145,14 +145,14 @@ def make(folder: Path, count: int) -> list[Path]:
     for i, path in enumerate(real):
         target = folder / f"real_{i:03}_{path.name}"
         (shutil.copytree if path.is_dir() else shutil.copyfile)(path, target)
-    different = [_simulated(folder / f"drive_{i:04}", i) for i in range(min(DIFFERENT, count))]
+    different = [simulated(folder / f"drive_{i:04}", i) for i in range(min(DIFFERENT, count))]
     for i in range(len(different), count - len(real)):
         data = different[i % len(different)].read_bytes()
         (folder / f"drive_{i:04}.mcap").write_bytes(data if i % 10 else data[: len(data) * 2 // 3])
     return sorted(folder.iterdir())
 
 
-def _simulated(path: Path, seed: int) -> Path:
+def simulated(path: Path, seed: int) -> Path:
     """Write an MCAP file with scans and odometry of a robot that wanders through a room."""
     robot = Robot(room(_ROOMS[seed % len(_ROOMS)]), scanner=_SCANNER, seed=seed)
     scan_type, odometry_type = (

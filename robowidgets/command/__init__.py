@@ -19,7 +19,7 @@ from ._cut import add_cut, cut
 from ._error import CommandError
 from ._export import add_export, export
 from ._find import INTERRUPTED, add_conditions, add_find, find, readable
-from ._follow import add_follow, check_unused, follow
+from ._follow import add_follow, check_unused, follow, taken_columns
 from ._mcp import add_mcp, serve
 
 
@@ -104,9 +104,10 @@ def _print_report(arguments: argparse.Namespace) -> int:
 def _write_index(arguments: argparse.Namespace) -> int:
     if arguments.follow:
         return follow(arguments, _say, _warn)
+    columns = taken_columns(arguments)
     check_unused(arguments)
     try:
-        _say(str(fleet.index(*arguments.files, output=arguments.output, topics=arguments.topics)))
+        _say(str(fleet.index(*arguments.files, output=arguments.output, topics=arguments.topics, fields=columns)))
     except (ImportError, ValueError) as error:
         raise CommandError(f"index: {error}") from None
     return 0
@@ -229,8 +230,9 @@ def _parser() -> argparse.ArgumentParser:
         "index",
         help="write an index of many recordings, second by second, for fast searches",
         description="Summarize each second of recordings in a Parquet file, for fast searches with find and SQL.",
-        epilog="Recordings in an earlier index with this name are read again only if they changed. With --follow it "
-        "exits with 0 if something was found, 1 if nothing was found.",
+        epilog="Recordings in an earlier index with this name are read again only if they changed, or if the topics or "
+        "fields differ. --field NAME without a comparison adds the values of that field, so that find needs no "
+        "recordings for it. With --follow it exits with 0 if something was found, 1 if nothing was found.",
     )
     seconds.add_argument("-o", "--output", required=True, metavar="OUT.parquet", help="the file to write")
     add_conditions(seconds)

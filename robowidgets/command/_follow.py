@@ -34,16 +34,29 @@ def check_unused(arguments: argparse.Namespace) -> None:
         raise CommandError(f"index: {given[0]} needs --follow, which is missing; find searches an index")
 
 
+def taken_columns(arguments: argparse.Namespace) -> list[str]:
+    """Return the fields that were given without a comparison, and remove them from the conditions."""
+    columns = [one for one in arguments.field if not set(one) & set("<>=!")]
+    arguments.field = [one for one in arguments.field if one not in columns]
+    return columns
+
+
 def follow(arguments: argparse.Namespace, say: Callable[[str], None], warn: Callable[[str], None]) -> int:
     """Watch folders until an interrupt, or the first hit; return 0 if something was found, 1 if nothing was.
 
     Raises:
         CommandError: an argument is invalid. OSError: the index cannot be written.
     """
+    columns = taken_columns(arguments)
     try:
         every = fleet.EVERY if arguments.every is None else arguments.every
         watched = fleet.follow(
-            condition(arguments), *arguments.files, output=arguments.output, topics=arguments.topics, every=every
+            condition(arguments),
+            *arguments.files,
+            output=arguments.output,
+            topics=arguments.topics,
+            fields=columns,
+            every=every,
         )
     except (CommandError, ImportError, TypeError, ValueError) as error:
         raise CommandError(f"index: {str(error).removeprefix('find: ')}") from None

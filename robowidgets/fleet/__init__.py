@@ -5,7 +5,9 @@ from .drives import Drives, drives, index, is_index
 from .following import EVERY, follow
 from .hits import Hit, Hits
 from .places import the_only
+from .rate_comparison import RateComparison, RateTable
 from .search import find
+from .statistics import Statistics
 from .summary import Summary, summary
 
 __all__ = [
@@ -14,6 +16,9 @@ __all__ = [
     "Drives",
     "Hit",
     "Hits",
+    "RateComparison",
+    "RateTable",
+    "Statistics",
     "Summary",
     "doctor",
     "drives",

@@ -72,7 +72,7 @@ class FleetTable(HasTable):
         Raises:
             ImportError: pandas is not installed.
         """
-        return frame_of(self._columns(), self._types)
+        return frame_of(self._columns(), self._kinds())
 
     def to_polars(self) -> Any:
         """Return a polars DataFrame; raise ImportError if polars or pyarrow is not installed."""
@@ -101,13 +101,16 @@ class FleetTable(HasTable):
 
     def _columns(self) -> dict[str, list[Any]]:
         rows = list(self._all())
-        return {name: [row.get(name) for row in rows] for name in self._types}
+        return {name: [row.get(name) for row in rows] for name in self._kinds()}
+
+    def _kinds(self) -> Mapping[str, RowType]:
+        """Return the columns of this table with their types."""
+        return self._types
 
     def _arrow(self, method: str) -> Any:
         arrow = library("pyarrow", method)
-        return arrow.table(
-            {name: arrow.array(values, self._types[name](arrow)) for name, values in self._columns().items()}
-        )
+        kinds = self._kinds()
+        return arrow.table({name: arrow.array(values, kinds[name](arrow)) for name, values in self._columns().items()})
 
     def _complaints(self) -> Iterator[str]:
         """Yield lines on recordings that were not read."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import stat
 import sys
 from collections.abc import Iterable
 from hashlib import sha256
@@ -63,9 +65,7 @@ def _state_of(path: Path | str) -> RecordingState:
     try:
         if isinstance(path, str):
             return RecordingState(remote.state_of(path))
-        files = [path, path / "metadata.yaml", *find_files(path)] if path.is_dir() else [path]
-        files += [beside for file in files for beside in files_beside(file)]
-        stats = [(file.name, file.stat()) for file in files if file.exists()]
+        stats = _stats_of(path)
     except OSError as error:
         return RecordingState(None, f"cannot be read: {error.strerror or error}")
     except RecordingError as error:
@@ -73,8 +73,21 @@ def _state_of(path: Path | str) -> RecordingState:
     except Exception as error:  # from a driver: the caller must get an answer
         return RecordingState(None, f"its state cannot be read: {type(error).__name__}: {redacted(one_line(error))}")
     # The time of change, too: a copy may have the size and time of the file that it replaces.
-    told = ((name, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns) for name, stat in stats)
+    told = ((name, one.st_size, one.st_mtime_ns, one.st_ctime_ns) for name, one in stats)
     return RecordingState(json.dumps([str(path), *told]))
+
+
+def _stats_of(path: Path) -> list[tuple[str, os.stat_result]]:
+    """Return the names and states of the files of a recording, by few calls of the system for one file."""
+    try:
+        whole = os.stat(path)
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    if not stat.S_ISDIR(whole.st_mode):
+        return [(path.name, whole), *((file.name, file.stat()) for file in files_beside(path))]
+    files = [path, path / "metadata.yaml", *find_files(path)]
+    files += [beside for file in files for beside in files_beside(file)]
+    return [(file.name, file.stat()) for file in files if file.exists()]
 
 
 class Kept:

@@ -2,51 +2,42 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
+from itertools import starmap
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..files.remote import is_url
-from ..laser.row import LASER
 from ..notebook.progress import without_bars
 from ..recording import open as open_recording
-from ..recordings.columns.tables import RowType, date, library, number, short_number, text, whole
+from ..recordings.columns.tables import library
+from ..recordings.search import conditions
 from ..recordings.search.base import Condition, condition
 from ..recordings.search.instant import Instant
-from ..recordings.search.seconds import NEAREST, NUMBERS, SECOND, SecondRows, Texts, seconds_of
+from ..recordings.search.seconds import SECOND, seconds_of
 from ..recordings.times import has_date
 from ..repair import RecordingError, natural
 from ..runtime.output_file import checked_output, whole_file
 from ..runtime.tables import HasTable, Table
 from ..runtime.text import many
-from ..speed.row import SPEED
-from ..touch.row import TOUCH
 from ._engine import LONGEST
 from ._fleet_table import Unread, not_read
 from ._gather import FromAll, gather, identity_or_none
+from ._index_file import FORM, TEXTS, IndexFile, schema_of
 from ._kept import states_of
 from ._topics import chosen_of
 from .drive_table import DriveTable
 from .hits import Hits
 from .places import PathLike
+from .rate_comparison import RateComparison, SearchedSet
 from .search import hits_of, search
+from .statistics import By, Statistics, statistics
 
-_FORM = 1
-_TEXTS = ("touched", "sensors", *(kind.sample_name for kind in (LASER, SPEED, TOUCH)))
-_COLUMNS: dict[str, RowType] = {
-    **dict.fromkeys(("file", "state", "problem"), text),
-    "start_ns": whole,
-    "second": whole,
-    "date": date,
-    **{name: short_number if name in NEAREST else number for name in NUMBERS},
-    **dict.fromkeys(_TEXTS, text),
-}
-"""The columns with their types."""
 _ROWS = 100_000
 """Rows that are written at once: the size of a row group of the file."""
 LATER = "not read before an interrupt: the same call continues"
@@ -59,7 +50,9 @@ class Drives(HasTable):
     ``left``, ``back`` and ``right``, the nearest distance in metres in each sector; ``linear_x_min`` to
     ``angular_z_max``, the lowest and the highest speed by axis in m/s and rad/s; ``touched``, the touched sensors, as
     text; ``gap``, the longest silence in seconds that overlaps it; ``x``, ``y`` and ``yaw`` by odometry; ``scan``,
-    ``speed`` and ``touch``, the topics. Unknown values are null. Seconds without a message have no row: a row is valid
+    ``speed`` and ``touch``, the topics. For each field, such as ``/battery.percentage``, three: ``_min`` and ``_max``
+    after its name, with the last value before too, however old, and under its name its type, or for texts a list of the
+    different ones as JSON. Unknown values are null. Seconds without a message have no row: a row is valid
     until the next one. A recording that could not be read has one row with the reason as ``problem``.
 
     Args:
@@ -72,83 +65,74 @@ class Drives(HasTable):
 
     def __init__(self, path: PathLike) -> None:
         self.path = Path(os.fsdecode(path)).expanduser().absolute()
-        dataset, arrow = library("pyarrow.dataset", "drives"), library("pyarrow", "drives")
-        as_dictionary = dataset.ParquetReadOptions(dictionary_columns={"file", *_TEXTS})
-        try:
-            self.dataset = dataset.dataset(self.path, format=dataset.ParquetFileFormat(read_options=as_dictionary))
-            about = json.loads(self.dataset.schema.metadata[b"robowidgets"])
-        except (OSError, arrow.ArrowInvalid, KeyError, TypeError, ValueError) as error:
-            why = f" ({error})" if isinstance(error, OSError) else ""
-            raise RecordingError(
-                f"{self.path.name} is not an index of drives{why}: robowidgets.index() writes one"
-            ) from None
-        if about["form"] != _FORM:
-            raise RecordingError(f"{self.path.name} was written by another version of robowidgets: index again")
-        self.topics: tuple[str, ...] = tuple(about["topics"])
+        self.index_file = IndexFile(self.path)
+        """Its drives as arrays."""
+        self.dataset = self.index_file.dataset
+        self.topics = self.index_file.topics
         """Names and patterns of preferred topics, for recordings with several topics of a kind."""
-        self.identity: str | None = about["identity"]
+        self.fields = self.index_file.fields
+        """The fields of topics whose values it has."""
+        self.identity = self.index_file.identity
 
-    @property
+    def __len__(self) -> int:
+        return len(self.index_file.files)
+
+    @cached_property
     def files(self) -> tuple[str, ...]:
         """The recordings, sorted by name."""
-        return tuple(self.states)
+        return tuple(sorted(self.index_file.files.to_pylist(), key=natural))
 
     @cached_property
     def states(self) -> dict[str, str | None]:
         """The state of each recording when it was read, or None if the state was unknown or it could not be read."""
-        rows = self._first_rows.to_pylist()
-        found = {row["file"]: None if row["problem"] else row["state"] for row in rows}
-        return dict(sorted(found.items(), key=lambda one: natural(one[0])))
+        return dict(zip(self.index_file.files.to_pylist(), self.index_file.states.to_pylist(), strict=True))
 
     @property
     def unread(self) -> tuple[Unread, ...]:
         """The recordings that could not be read, with the reasons."""
-        rows = self._first_rows.select(["file", "problem"]).to_pylist()
-        return tuple(Unread(row["file"], row["problem"]) for row in rows if row["problem"])
-
-    @cached_property
-    def _first_rows(self) -> Any:
-        """The first row of each recording."""
-        field = library("pyarrow.dataset", "drives").field("second")
-        return self.dataset.to_table(["file", "state", "problem"], filter=field.is_null() | (field == 0))
+        return tuple(starmap(Unread, self.index_file.unread()))
 
     def to_arrow(self) -> Any:
         """Return the whole index as a pyarrow Table."""
         return self.dataset.to_table()
 
-    def candidates(self, given: Condition | Callable[..., Any]) -> list[str]:
+    def candidates(self, given: Condition | Callable[..., Any], *, check: bool = True) -> list[str]:
         """Return the recordings in which a condition may have been true, according to the index.
 
-        The index is enough for `nearest_below`, `speed_above`, `touched` and `gap`, and combinations of them.
-        Recordings that could not be read, or have changed since, are always included.
+        The index is enough for `nearest_below`, `speed_above`, `touched` and `gap`, for a `field` that it has, and for
+        combinations of them. Recordings that could not be read, or have changed since, are always included.
 
         Args:
             given: as for `find`.
+            check: False to trust the index: the other recordings are not looked up, so that changes are not noticed.
 
         Raises:
             TypeError: ``given`` is not a condition.
         """
-        wanted = condition(given)
-        asked = _Asked()
-        wanted.possible(SecondRows(asked, asked))
-        found = {file for file, state in self.states.items() if state is None}
-        for batch in self.dataset.to_batches(columns=["file", *dict.fromkeys(asked.names)]):
-            columns = {name: batch.column(name) for name in batch.schema.names}
-            rows = SecondRows(
-                {name: column.to_numpy(False) for name, column in columns.items() if name in NUMBERS},
-                {name: _texts(column) for name, column in columns.items() if name not in NUMBERS},
+        found = self.index_file.possible(condition(given))
+        found |= ~self.index_file.has_state
+        if check:
+            ruled_out = np.flatnonzero(~found)
+            found[ruled_out[self._are_changed(ruled_out)]] = True
+        return sorted(self.index_file.files.filter(found).to_pylist(), key=natural)
+
+    def _are_changed(self, which: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return True for each of some recordings, by number, that is not in the same state as when it was read."""
+        found = np.zeros(len(which), bool)
+        for start in range(0, len(which), _ROWS):
+            part = which[start : start + _ROWS]
+            files, before = (
+                column.take(part).to_pylist() for column in (self.index_file.files, self.index_file.states)
             )
-            files = _texts(columns["file"])
-            found.update(files.texts[i] for i in np.unique(files.numbers[wanted.possible(rows).true]))
-        ruled_out = [file for file in self.files if file not in found]
-        now = states_of(file if is_url(file) else Path(file) for file in ruled_out)
-        found.update(file for file in ruled_out if now[file].text != self.states[file])
-        return [file for file in self.files if file in found]
+            now = states_of(file if is_url(file) else Path(file) for file in files)
+            found[start : start + _ROWS] = [now[file].text != state for file, state in zip(files, before, strict=True)]
+        return found
 
     def find(
         self,
         given: Condition | Callable[[Instant], Any],
         *,
+        check: bool = True,
         executor: Any = None,
         longest: float = LONGEST,
         keep: bool = True,
@@ -157,6 +141,7 @@ class Drives(HasTable):
 
         Args:
             given: as for `find`.
+            check: as for `candidates`.
             executor: as for `find`.
             longest: as for `find`.
             keep: as for `find`.
@@ -165,15 +150,19 @@ class Drives(HasTable):
             TypeError: as for `find`.
         """
         wanted = condition(given)
-        asked = self.candidates(wanted)
-        ruled_out = len(self.files) - len(asked)
+        return hits_of(wanted, self._search(wanted, self.candidates(wanted, check=check), executor, longest, keep))
+
+    def _search(self, wanted: Condition, asked: list[str], executor: Any, longest: float, keep: bool) -> FromAll:
+        """Return the results of a search through some of these recordings, with a line on the others."""
+        ruled_out = len(self) - len(asked)
         found = FromAll({}, {"unread": [], "until": None, "note": ""})
         if asked:
             found = search(wanted, asked, self.topics, executor, longest, keep)
         until = found.rows["until"]
         told = f"by the index {many(ruled_out, 'file')} had no such moment, and were not read" if ruled_out else ""
-        found.rows.update(files=self.files, until=until and until + ruled_out, told=told)
-        return hits_of(wanted, found)
+        files = self.index_file.files.to_pylist()
+        found.rows.update(files=files, until=until and until + ruled_out, told=told)
+        return found
 
     def table(
         self,
@@ -201,8 +190,95 @@ class Drives(HasTable):
         """
         return DriveTable(self.files, names, at, how, executor, longest)
 
+    def statistics(
+        self,
+        *fields: str | conditions.Field,
+        by: By | None = None,
+        quantiles: Sequence[float] = (0.05, 0.5, 0.95),
+        executor: Any = None,
+        longest: float = LONGEST,
+    ) -> Statistics:
+        """Return counts, mean, limits and quantiles of numbers in all these recordings, each message counted once.
+
+        The recordings are read message by message. Quantiles are exact up to 100,000 different values in a group;
+        beyond, they differ from the exact ones by 0.1 % of their size at most, in any order of the recordings.
+
+        Args:
+            *fields: topics with fields or sectors, such as ``"/odom.twist.twist.linear.x"`` and ``"/scan.front"``;
+                sectors of the scan of each recording, such as ``"front"`` or ``"nearest"``; axes of its speed, such as
+                ``"linear.x"``; or fields, such as ``abs(conditions.field("/imu.angular_velocity.z"))``.
+            by: the groups: ``"file"``, ``"folder"``, ``"day"`` in UTC; a column of texts of the index, such as
+                ``"scan"``; a topic with a field whose first value counts, such as ``"/version.data"``; a mapping from
+                files, or a function of the file, to the name of the group; or None for all together.
+            quantiles: numbers from 0 to 1.
+            executor: as for `find`.
+            longest: as for `find`.
+
+        Raises:
+            TypeError, ValueError: an argument is not as described. RecordingError: no recording has one of the fields.
+
+        Example:
+            >>> drives.statistics("front", "linear.x", by="folder").to_pandas()  # doctest: +SKIP
+        """
+        known = None
+        if isinstance(by, str) and by not in ("file", "folder") and not by.startswith("/"):
+            known = self._group_by(by)
+        return statistics(self.files, fields, by, known, quantiles, self.topics, executor, longest)
+
+    def compare(
+        self,
+        other: Drives,
+        given: Condition | Callable[[Instant], Any],
+        *,
+        check: bool = True,
+        executor: Any = None,
+        longest: float = LONGEST,
+        keep: bool = True,
+    ) -> RateComparison:
+        """Return how often a condition becomes true per hour in these drives and in others, with the difference.
+
+        Both are searched by `find`. The interval of the difference is computed, not drawn by lot: equal for equal
+        drives. `RateComparison.by_file` and `RateComparison.by_place` show where the spans are.
+
+        Args:
+            other: the other drives, such as the ones of a new version.
+            given: as for `find`.
+            check: as for `candidates`.
+            executor: as for `find`.
+            longest: as for `find`.
+            keep: as for `find`.
+
+        Raises:
+            TypeError: ``other`` is not an index, or as for `find`.
+
+        Example:
+            >>> old.compare(new, robowidgets.conditions.touched())  # doctest: +SKIP
+        """
+        if not isinstance(other, Drives):
+            raise TypeError(f"compare(): expected drives of another index, as from robowidgets.drives(), got {other!r}")
+        wanted = condition(given)
+        sets = [
+            SearchedSet(
+                drives.path.stem if self.path.stem != other.path.stem else str(drives.path),
+                drives.find(wanted, check=check, executor=executor, longest=longest, keep=keep),
+                drives.index_file,
+            )
+            for drives in (self, other)
+        ]
+        return RateComparison(str(wanted), *sets)
+
+    def _group_by(self, by: str) -> dict[str, str]:
+        """Return the group of each recording by a column of the index, or by day."""
+        columns = [name for name in TEXTS if name != "touched"]
+        if by not in (*columns, "day"):
+            there = ", ".join(map(repr, ("file", "folder", "day", *columns)))
+            raise ValueError(f"by: expected one of {there}, a topic with a field, a mapping or a function, got {by!r}")
+        values = self.index_file.first_values("date" if by == "day" else by).to_pylist()
+        texts = ("" if value is None else value if by != "day" else f"{value:%Y-%m-%d}" for value in values)
+        return dict(zip(self.index_file.files.to_pylist(), texts, strict=True))
+
     def _table(self) -> Table:
-        head = f"{self.path.name}: {many(len(self.files), 'recording')}, {many(self.dataset.count_rows(), 'row')}"
+        head = f"{self.path.name}: {many(len(self), 'recording')}, {many(self.dataset.count_rows(), 'row')}"
         return Table(head, (), (), problems=list(not_read(self.unread)))
 
 
@@ -220,6 +296,7 @@ def index(
     *paths: PathLike,
     output: PathLike,
     topics: str | Iterable[str] = (),
+    fields: str | Iterable[str] = (),
     executor: Any = None,
     longest: float = LONGEST,
 ) -> Drives:
@@ -232,26 +309,31 @@ def index(
         *paths: as for `find`.
         output: the file, such as ``"drives.parquet"``; an existing file is replaced when the new one is complete.
         topics: as for `find`.
+        fields: fields of topics whose values it has too, such as ``"/battery.percentage"``, so that conditions on them
+            need no recordings. A field is one number, flag or text in each message.
         executor: as for `find`.
         longest: as for `find`.
 
     Raises:
-        TypeError: as for `find`. ValueError: as for `find`, or the name does not end in ``.parquet``.
-        ImportError: pyarrow is not installed. OSError: the file cannot be written.
+        TypeError: as for `find`. ValueError: as for `find`, a field is not a topic with a field, or the name does not
+            end in ``.parquet``. ImportError: pyarrow is not installed. OSError: the file cannot be written.
 
     Example:
         >>> drives = robowidgets.index("runs/", output="drives.parquet")  # doctest: +SKIP
         >>> drives.find(robowidgets.conditions.nearest_below(0.3))  # doctest: +SKIP
     """
-    arrow, parquet = library("pyarrow", "index"), library("pyarrow.parquet", "index")
+    parquet = library("pyarrow.parquet", "index")
     target = checked_output("index", output, (".parquet",))
     names = (topics,) if isinstance(topics, str) else tuple(topics)
-    identity = identity_or_none(("index", _FORM, names))
-    about = json.dumps({"form": _FORM, "topics": names, "identity": identity})
-    schema = arrow.schema([(name, kind(arrow)) for name, kind in _COLUMNS.items()], {"robowidgets": about})
+    columns = tuple(
+        dict.fromkeys(conditions.field(name).name for name in ((fields,) if isinstance(fields, str) else fields))
+    )
+    identity = identity_or_none(("index", FORM, names, columns) if columns else ("index", FORM, names))
+    about = {"form": FORM, "topics": names, "identity": identity, "fields": columns}
+    schema = schema_of(columns, about)
     with whole_file(target) as file, parquet.ParquetWriter(file, schema, compression="zstd") as writer:
         rows = _Rows(schema, writer, _earlier(target, identity))
-        gathered = gather(_Index(names), paths, rows, "Indexing", executor=executor, longest=longest)
+        gathered = gather(_Index(names, columns), paths, rows, "Indexing", executor=executor, longest=longest)
         unread = {one.file: one.problem for one in gathered.rows["unread"]}
         later = {file: LATER for file in gathered.rows["files"] if file not in gathered.results}
         rows.finish({**later, **unread})
@@ -263,15 +345,16 @@ class _Index:
 
     Args:
         topics: names and patterns of topics.
+        fields: names of fields.
     """
 
-    def __init__(self, topics: tuple[str, ...]) -> None:
-        self._topics = topics
+    def __init__(self, topics: tuple[str, ...], fields: tuple[str, ...]) -> None:
+        self._topics, self._fields = topics, fields
 
     def __call__(self, path: str) -> dict[str, Any]:
         with open_recording(path) as recording, without_bars():
             recording.preferred = frozenset(chosen_of(recording, self._topics))
-            return {**seconds_of(recording), "start_ns": recording.start_ns}
+            return {**seconds_of(recording, self._fields), "start_ns": recording.start_ns}
 
 
 class _Rows:
@@ -340,23 +423,6 @@ class _Rows:
             self._tables.clear()
 
 
-class _Asked(Mapping[str, Any]):
-    """Columns without rows, which note the columns that a condition reads."""
-
-    def __init__(self) -> None:
-        self.names: list[str] = []
-
-    def __getitem__(self, name: str) -> Any:
-        self.names.append(name)
-        return np.empty(0) if name in NUMBERS else Texts(np.empty(0, int), [])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(_COLUMNS)
-
-    def __len__(self) -> int:
-        return len(_COLUMNS)
-
-
 def _earlier(target: Path, identity: str | None) -> Drives | None:
     """Return the existing index, if its rows were computed like the current ones, or None."""
     try:
@@ -364,8 +430,3 @@ def _earlier(target: Path, identity: str | None) -> Drives | None:
     except RecordingError:
         return None
     return there if there and there.identity == identity else None
-
-
-def _texts(column: Any) -> Texts:
-    """Return the texts of a dictionary column of pyarrow."""
-    return Texts(column.indices.fill_null(-1).to_numpy(False), column.dictionary.to_pylist())

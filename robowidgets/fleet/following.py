@@ -35,6 +35,7 @@ def follow(
     *paths: PathLike,
     output: PathLike,
     topics: str | Iterable[str] = (),
+    fields: str | Iterable[str] = (),
     every: float = EVERY,
     executor: Any = None,
     longest: float = LONGEST,
@@ -52,6 +53,7 @@ def follow(
         *paths: as for `find`.
         output: the index, as for `index`; it is written again after each look that found a new recording.
         topics: as for `find`.
+        fields: as for `index`.
         every: seconds between two looks.
         executor: as for `find`.
         longest: as for `find`.
@@ -80,13 +82,17 @@ def follow(
             raise FileNotFoundError(f"{text}: {NO_SUCH_PATH}; make the folder before its recordings come")
     names = (topics,) if isinstance(topics, str) else tuple(topics)
     looks = _Looks(paths, _known(checked_output("follow", output, (".parquet",))), clock or RealClock())
-    return _follow(wanted, looks, output, names, every, executor, longest)
+
+    def write() -> Drives:
+        return index(*looks.ready, output=output, topics=names, fields=fields, executor=executor, longest=longest)
+
+    return _follow(wanted, looks, write, names, every, executor, longest)
 
 
 def _follow(
     wanted: Condition,
     looks: _Looks,
-    output: PathLike,
+    write: Callable[[], Drives],
     topics: tuple[str, ...],
     every: float,
     executor: Any,
@@ -103,8 +109,7 @@ def _follow(
             # After the search: a recording in the index counts as searched at the next start.
             try:
                 if not is_cut:
-                    drives = index(*looks.ready, output=output, topics=topics, executor=executor, longest=longest)
-                    is_cut = any(one.problem == LATER for one in drives.unread)
+                    is_cut = any(one.problem == LATER for one in write().unread)
             except KeyboardInterrupt:
                 is_cut = True
             if hits is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from array import array
 from collections.abc import Iterator
@@ -64,8 +65,8 @@ def walk_sqlite(path: Path) -> Walk:
 
 def files_beside(path: Path) -> list[Path]:
     """Return the files of a recorder next to a database (``-wal``, ``-journal``) that are read with it."""
-    beside = [path.with_name(path.name + ending) for ending in ("-wal", "-journal")]
-    return [file for file in beside if file.is_file() and file.stat().st_size]
+    beside = [f"{path}{ending}" for ending in ("-wal", "-journal")]
+    return [Path(file) for file in beside if os.path.isfile(file) and os.path.getsize(file)]
 
 
 def _walk_rows(path: Path, connection: sqlite3.Connection, damage: Damage) -> Walk:

@@ -17,7 +17,7 @@ NO_RAYS: NDArray[np.intp] = frozen(np.empty(0, np.intp))
 OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "<": operator.lt, "≤": operator.le, ">": operator.gt, "≥": operator.ge, "=": operator.eq, "≠": operator.ne,
 }  # fmt: skip
-_OPPOSITE = {"<": "≥", "≤": ">", ">": "≤", "≥": "<", "=": "≠", "≠": "="}
+OPPOSITE = {"<": "≥", "≤": ">", ">": "≤", "≥": "<", "=": "≠", "≠": "="}
 
 
 class Verdict(NamedTuple):
@@ -39,7 +39,7 @@ UNKNOWN = Verdict(None)
 
 def fact(value: float, relation: str, limit: float, unit: str = "m") -> str:
     """Return the outcome of a comparison: ``"1.24 < 1.50 m"``, with the opposite relation if it did not hold."""
-    shown = relation if OPERATORS[relation](value, limit) else _OPPOSITE[relation]
+    shown = relation if OPERATORS[relation](value, limit) else OPPOSITE[relation]
     decimals = 0
     if not (isinstance(value, int) and isinstance(limit, int)):
         decimals = next((n for n in range(2, 6) if f"{value:.{n}f}" != f"{limit:.{n}f}"), 2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -91,6 +91,25 @@ class Fields(Series[Any]):
         if isinstance(which, (list, tuple)) and which and all(isinstance(name, str) for name in which):
             return self._with_names(which)
         return super().__getitem__(which)
+
+    def numbers(self, name: str) -> Iterator[NDArray[np.float64]]:
+        """Yield a field chunk by chunk as numbers, NaN for missing ones, so that a recording of any size fits.
+
+        The order within a chunk is any.
+
+        Raises:
+            TypeError: the field is a text or a time, or has several values in a message.
+        """
+        place = self._place(name)
+        leaf = self._leaves[place.leaf]
+        if leaf.dtype is None or (leaf.dtype.names is not None and not place.part):
+            raise TypeError(f"{self.topic}.{name} is a {leaf.type}, not a number")
+        if _has_lists(leaf, place):
+            raise TypeError(f"{self.topic}.{name} has several values in a message: name one, such as '{name}[0]'")
+        for chunk in self.chunks():
+            for _, (rows, values) in self._parts(chunk, {name: place}):
+                has_one = values.shape[1] > 0
+                yield values[:, 0].astype(np.float64) if has_one else np.full(len(rows), np.nan)
 
     def to_numpy(self) -> dict[str, NDArray[Any]]:
         """Return the columns by name; times as ``times_ns``, ``seconds`` and ``stamps_ns``.

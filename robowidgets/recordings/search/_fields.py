@@ -15,12 +15,13 @@ from ...messages.fields import FieldOf, ShortArrayError
 from ...messages.units import unit_of
 from ...samples.checks import number
 from ...samples.staleness import is_steady
-from ...samples.verdict import OPERATORS, Verdict, fact
+from ...samples.verdict import OPERATORS, OPPOSITE, Verdict, fact
 from ..topics import UnknownTopicError
 from ._silence import mark_stale
 from ._steps import NO, UNKNOWN, YES, Steps, steps
 from .base import Condition, Curve
 from .instant import NoSampleYetError
+from .seconds import EXACT, Possible, SecondRows
 
 if TYPE_CHECKING:
     from .. import RecordingData
@@ -44,7 +45,7 @@ class Field:
             raise TypeError(expected)
         if "." not in name.strip("."):
             raise ValueError(expected)
-        self.name, self._is_size = name, is_size
+        self.name, self.is_size = name, is_size
 
     def __lt__(self, limit: Any) -> Condition:
         return self._compared("<", limit)
@@ -75,10 +76,10 @@ class Field:
         raise TypeError(f"{self!r} is neither true nor false by itself: compare it, as in field({self.name!r}) == True")
 
     def __repr__(self) -> str:
-        return f"abs(field({self.name!r}))" if self._is_size else f"field({self.name!r})"
+        return f"abs(field({self.name!r}))" if self.is_size else f"field({self.name!r})"
 
     def _compared(self, relation: str, limit: Any) -> Condition:
-        return FieldCondition(self.name, relation, limit, is_size=self._is_size)
+        return FieldCondition(self.name, relation, limit, is_size=self.is_size)
 
 
 class FieldCondition(Condition):
@@ -121,6 +122,25 @@ class FieldCondition(Condition):
         if KINDS[kind].goes_stale if kind else is_steady(times):
             return mark_stale(found, [(times, np.ones(len(times), bool))], search.end_ns)
         return found
+
+    def possible(self, rows: SecondRows) -> Possible:
+        """See `Condition`."""
+        found = rows.field(self.name)
+        limit = self._limit
+        if found is None or (isinstance(limit, int) and abs(limit) > EXACT):
+            return super().possible(rows)
+        texts = found.texts()
+        if isinstance(limit, str):
+            has = found.kinds.where({kind: limit in texts.get(kind, ()) for kind in found.kinds.texts})
+            others = found.kinds.where({kind: texts.get(kind, []) not in ([], [limit]) for kind in found.kinds.texts})
+            true, false = (has, others) if self._relation == "=" else (others, has)
+        else:
+            least, most = _sizes(found.least, found.most) if self._is_size else (found.least, found.most)
+            true, false = _possible(least, most, self._relation, limit)
+        # The search itself complains of texts that are compared to numbers, and of missing fields.
+        fits = {kind: (kind in texts) is isinstance(limit, str) for kind in found.kinds.texts}
+        is_unknown = ~found.kinds.where(fits)
+        return Possible(true | is_unknown, false | is_unknown)
 
     def number(self, recording: RecordingData) -> Curve | None:
         """See `Condition`."""
@@ -210,6 +230,23 @@ class FieldCondition(Condition):
         if isinstance(value, (str, bool)):
             return f"{_shown(value)} {'=' if value == self._limit else '≠'} {_shown(self._limit)}"
         return fact(value, self._relation, self._limit, unit_of("", path))
+
+
+def _sizes(least: NDArray[Any], most: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return the least and the greatest absolute value between two numbers."""
+    sizes = np.abs(least), np.abs(most)
+    has_zero = (least <= 0) & (most >= 0)
+    return np.where(has_zero, 0.0, np.minimum(*sizes)), np.maximum(*sizes)
+
+
+def _possible(least: NDArray[Any], most: NDArray[Any], relation: str, limit: Any) -> tuple[Any, Any]:
+    """Return True if a value from the least to the greatest may fulfil a comparison, and if one may not."""
+    if relation in ("=", "≠"):
+        same, other = (least <= limit) & (most >= limit), (least < limit) | (most > limit)
+        return (same, other) if relation == "=" else (other, same)
+    most_first = relation in (">", "≥")
+    true, false = (most, least) if most_first else (least, most)
+    return OPERATORS[relation](true, limit), OPERATORS[OPPOSITE[relation]](false, limit)
 
 
 def _limit(name: str, relation: str, limit: Any, is_size: bool) -> Any:

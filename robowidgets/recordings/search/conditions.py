@@ -20,7 +20,7 @@ from typing import Any
 from ...behaviors.version import RATE
 from ...samples.sector import ALL_ROUND, SectorLike
 from ._events import EventCondition
-from ._fields import Field
+from ._fields import Field as Field
 from ._gaps import GapCondition
 from ._labels import LabelCondition
 from ._samples import NearestCondition, SpeedCondition, TouchedCondition

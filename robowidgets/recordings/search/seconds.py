@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import inf, pi
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...kinds import KINDS, Kind, kind_of_class
+from ...kinds import KINDS, Kind, kind_of_class, topic_and_field
 from ...samples import AXES, Scan, Speed, Touch, TouchState
 from ...samples.checks import ANGLE_ROUNDING
 from ...samples.distances import inside, ray_distances
 from ...samples.sector import ALL_ROUND, SECTORS, Sector
 from ...samples.staleness import RECORDED, usual_step
+from ..columns._fields import UnknownFieldError
 from ..odometry import odometry
 from ..topics import UnknownTopicError
 
@@ -34,6 +36,10 @@ POSE = ("x", "y", "yaw")
 NUMBERS = (*NEAREST, *(name for names in SPEEDS.values() for name in names), "gap", *POSE)
 BETWEEN = ", "
 """The separator between the names of several sensors."""
+EXACT = 2**53
+"""The largest size of an integer that a column of numbers has exactly."""
+_MANY = 16
+"""A row has so many different texts of a field at most."""
 
 
 class Possible(NamedTuple):
@@ -55,13 +61,30 @@ class Texts(NamedTuple):
         return found
 
 
+class FieldRange(NamedTuple):
+    """The values of a field in each row of an index.
+
+    ``least``, ``most``: shape (N,), NaN for a field of texts, and if all its values are NaN or no message has come.
+    ``kinds``: its type in the recording; for a field of texts, a list of the different ones as JSON. A row without one
+    does not have the values.
+    """
+
+    least: Numbers
+    most: Numbers
+    kinds: Texts
+
+    def texts(self) -> dict[str, list[str]]:
+        """Return the texts of a field of texts, by the text of its kind."""
+        return {kind: json.loads(kind) for kind in self.kinds.texts if kind.startswith("[")}
+
+
 class SecondRows:
     """Rows of an index, each for a second of a recording; see `seconds_of`.
 
     Args:
-        numbers: the columns of `NUMBERS` that were read; NaN for unknown values.
+        numbers: the columns of `NUMBERS` that were read; NaN for unknown values. For each field, both `field_columns`.
         texts: ``scan``, ``speed`` and ``touch``, the topics of these samples; ``touched``, the touched sensors, and
-            ``sensors``, all sensors.
+            ``sensors``, all sensors. For each field its kinds, by its name.
     """
 
     def __init__(self, numbers: Mapping[str, Numbers], texts: Mapping[str, Texts]) -> None:
@@ -72,6 +95,13 @@ class SecondRows:
 
     def __getitem__(self, name: str) -> Numbers:
         return self._numbers[name]
+
+    def field(self, name: str) -> FieldRange | None:
+        """Return the values of a field, or None if the index does not have it."""
+        if name not in self._texts:
+            return None
+        least, most = (self._numbers[column] for column in field_columns(name))
+        return FieldRange(least, most, self._texts[name])
 
     def nearest(self, sector: Sector) -> Numbers:
         """Return a lower limit of the nearest distance in a sector in metres."""
@@ -102,12 +132,21 @@ class SecondRows:
         return Possible(true | is_unknown, false | is_unknown)
 
 
-def seconds_of(recording: RecordingData) -> dict[str, Any]:
+def field_columns(name: str) -> tuple[str, str]:
+    """Return the names of the columns with the least and the greatest value of a field."""
+    return f"{name}_min", f"{name}_max"
+
+
+def seconds_of(recording: RecordingData, fields: Collection[str] = ()) -> dict[str, Any]:
     """Return the columns of a recording for an index as arrays, or as lists of texts that differ by row.
 
     Each second with a message has a row, and so have the first and the last second. A row is valid until the next one.
     It covers the samples of its second and the last one before, unless that was stale: all samples on which a condition
     can depend then.
+
+    Args:
+        recording: the recording.
+        fields: the names of fields of topics, whose values are columns too.
     """
     start, end = recording.start_ns, recording.end_ns
     if start is None or end is None:
@@ -121,7 +160,8 @@ def seconds_of(recording: RecordingData) -> dict[str, Any]:
         for topic in recording.topics
         if topic.widget and KINDS[topic.widget].goes_stale and not topic.commanded
     ]
-    came = [one.times_ns for one in (scans, speeds, touches, poses, *regular) if one is not None]
+    columns = {name: column for name in fields if (column := _field(recording, name)) is not None}
+    came = [one.times_ns for one in (scans, speeds, touches, poses, *regular, *columns.values()) if one is not None]
     ends = np.array([start, end], np.int64)
     second = np.unique((np.concatenate((ends, *came)) - start) // SECOND)
     starts = start + second * SECOND
@@ -146,6 +186,8 @@ def seconds_of(recording: RecordingData) -> dict[str, Any]:
         edges = np.unique(np.concatenate((ends[:1], one.times_ns[one.said], ends[1:])))
         silence = _over(edges[:-1], np.diff(edges) / SECOND, starts, np.fmax, inf)
         found["gap"] = np.fmax(found["gap"], silence)
+    for name, column in columns.items():
+        found |= _range(name, column, starts)
     for kind, one in zip(kinds, (scans, speeds, touches), strict=True):
         found[kind.sample_name] = None if one is None else one.topic
     return found
@@ -157,6 +199,45 @@ def _series(recording: RecordingData, kind: Kind) -> Any:
         return recording.series(recording.only(kind.name))
     except UnknownTopicError:
         return None
+
+
+class _FieldColumn(NamedTuple):
+    """The values of a field at the times of its topic, and its type."""
+
+    times_ns: NDArray[np.int64]
+    values: NDArray[Any]
+    type_name: str
+
+
+def _field(recording: RecordingData, name: str) -> _FieldColumn | None:
+    """Return a field with one number, flag or text in a message, or None if an index cannot have its values."""
+    topic, path = topic_and_field(name, [one.name for one in recording.topics])
+    try:
+        fields = recording.fields(topic)
+        values, kind = fields[path], fields.types.get(path, "")
+    except (UnknownTopicError, UnknownFieldError):
+        return None
+    if values.ndim != 1 or kind in ("time", "duration") or any(isinstance(one, np.ndarray) for one in values[:1]):
+        return None
+    if values.dtype.kind in "iu" and len(values) and (values.max() > EXACT or values.min() < -EXACT):
+        return None
+    return _FieldColumn(fields.times_ns, values, kind or values.dtype.name)
+
+
+def _range(name: str, column: _FieldColumn, starts: NDArray[np.int64]) -> dict[str, Any]:
+    """Return the columns of a field. Each row has the last value before it too, however old."""
+    if column.values.dtype == object:
+        return {name: list(_different(column, starts))}
+    numbers = np.ma.filled(np.ma.asarray(column.values, np.float64), np.nan)
+    least, most = (_over(column.times_ns, numbers, starts, how, inf) for how in (np.fmin, np.fmax))
+    return {name: column.type_name, **dict(zip(field_columns(name), (least, most), strict=True))}
+
+
+def _different(column: _FieldColumn, starts: NDArray[np.int64]) -> Iterator[str | None]:
+    """Yield the different texts in each row as JSON, or None if there are too many."""
+    for begin, stop in zip(*_parts(column.times_ns, starts, inf), strict=True):
+        texts = sorted({one for one in column.values[begin:stop] if one is not None})
+        yield json.dumps(texts) if len(texts) <= _MANY else None
 
 
 def _values(speeds: Speeds) -> Numbers:

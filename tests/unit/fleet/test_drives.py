@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import resource
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from itertools import count
+from math import nan
 from pathlib import Path
 from shutil import copy
 from signal import SIGINT
@@ -24,6 +26,7 @@ from robowidgets.fleet.hits import Hits
 from robowidgets.notebook.progress import Progress
 from robowidgets.recordings.search.base import Condition
 
+from ..recordings import recorded
 from .executors import Here
 
 DATA = Path(os.environ.get("ROBOWIDGETS_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -119,6 +122,123 @@ def sample_index(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return index(robowidgets.SAMPLE, output=tmp_path_factory.mktemp("index") / "sample.parquet").path
 
 
+FIELD = conditions.field
+BATTERY, MODE = "/battery.percentage", "/mode.data"
+
+
+def write_states(folder: Path) -> Path:
+    """Write recordings with a battery and a mode, one of them without the battery."""
+    types = {"/battery": "sensor_msgs/msg/BatteryState", "/mode": "std_msgs/msg/String"}
+    for name, levels, modes in (
+        ("full", (0.9, 0.8, nan, 0.7), ("drive", "drive, slowly")),
+        ("low", (0.4, -0.1), ("drive", "dock")),
+        ("silent", (), ("dock",)),
+    ):
+        messages = [(10.0 * i, "/battery", {"percentage": level}) for i, level in enumerate(levels)]
+        messages += [(4.0 + i, "/mode", {"data": mode}) for i, mode in enumerate(modes)]
+        recorded.write(folder / name, types, [*messages, (40.0, "/mode", {"data": modes[-1]})])
+    types = {"/mode": "std_msgs/msg/String", "/battery": "std_msgs/msg/String"}
+    recorded.write(folder / "other", types, [(0.0, "/mode", {"data": "drive"}), (1.0, "/battery", {"data": "low"})])
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("condition", "names"),
+    [
+        (FIELD(BATTERY) < 0.5, "low"),
+        (FIELD(BATTERY) <= 0.7, "full low"),
+        (FIELD(BATTERY) > 0.9, ""),
+        (FIELD(BATTERY) >= 0.85, "full"),
+        (FIELD(BATTERY) == 0.1, "low"),
+        (FIELD(BATTERY) != 0.5, "full low"),
+        (~(FIELD(BATTERY) < 0.5), "full"),
+        (~(FIELD(BATTERY) > -1), ""),
+        (abs(FIELD(BATTERY)) < 0.05, "low"),
+        (FIELD(BATTERY).between(-1, -0.05), "low"),
+        (FIELD(MODE) == "dock", "low silent"),
+        (FIELD(MODE) != "dock", "full low other"),
+        (~(FIELD(MODE) == "drive"), "full low silent"),
+        (FIELD(MODE) == "slowly", ""),
+        (FIELD(MODE) > 3, "full low other silent"),
+        (FIELD("/mode.other") == "dock", "full low other silent"),
+        ((FIELD(BATTERY) < 0.5) & (FIELD(MODE) == "none"), ""),
+        (FIELD(BATTERY) < 2**53 + 1, "full low other silent"),
+    ],
+    ids=str,
+)
+def test_a_condition_on_a_field_of_the_index_needs_no_other_recordings(
+    condition: Condition, names: str, states_index: Path
+) -> None:
+    there = drives(states_index)
+    assert there.fields == (BATTERY, MODE)
+    found = [Path(file).name for file in there.candidates(condition)]
+    # The others have a battery of another type, or no message of it.
+    asked = names.split()
+    if BATTERY in str(condition) and MODE not in str(condition):
+        asked = sorted({*asked, "other"})
+    assert sorted(found) == asked
+
+
+@pytest.fixture(scope="module")
+def states_index(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = write_states(tmp_path_factory.mktemp("states"))
+    output = tmp_path_factory.mktemp("index") / "states.parquet"
+    return index(folder, output=output, fields=[BATTERY, MODE], executor=Here()).path
+
+
+def test_a_field_of_an_index_holds_its_last_value_and_can_be_asked_by_columns(states_index: Path) -> None:
+    rows_of = drives(states_index).to_arrow().to_pandas()
+    full = rows_of[rows_of["file"].str.endswith("full")].set_index("second")
+    assert full.loc[[0, 4, 10, 20, 30], f"{BATTERY}_min"].round(1).tolist() == [0.9, 0.9, 0.8, 0.8, 0.7]
+    assert full.loc[[0, 4, 10, 20, 30], f"{BATTERY}_max"].round(1).tolist() == [0.9, 0.9, 0.9, 0.8, 0.7]
+    assert full.loc[[4, 5, 40], MODE].tolist() == ['["drive"]', '["drive", "drive, slowly"]', '["drive, slowly"]']
+    assert full.loc[0, BATTERY] == "float32"
+
+
+def test_an_index_without_fields_is_one_of_before_and_is_read(runs: Path, output: Path) -> None:
+    import pyarrow.parquet
+
+    index(runs, output=output, executor=Here())
+    table = pyarrow.parquet.read_table(output)
+    about = json.loads(table.schema.metadata[b"robowidgets"])
+    del about["fields"]  # as it was before there were fields
+    pyarrow.parquet.write_table(table.replace_schema_metadata({"robowidgets": json.dumps(about)}), output)
+    assert drives(output).fields == ()
+    assert len(drives(output).candidates(NEVER)) == 1
+    here = Here()
+    index(runs / "*.mcap", output=output, executor=here)
+    assert here.ran == []
+    index(runs / "*.mcap", output=output, executor=here, fields="/odom.twist.twist.linear.x")
+    assert len(here.ran) == 2
+    assert len(drives(output).candidates(conditions.field("/odom.twist.twist.linear.x") > 5)) == 0
+    for wrong, error in (("/odom", ValueError), (3, TypeError)):
+        with pytest.raises(error, match="expected a topic with a field"):
+            index(runs, output=output, fields=[wrong])  # type: ignore[list-item]
+
+
+def test_a_recording_in_two_files_of_a_folder_counts_once(runs: Path, tmp_path: Path) -> None:
+    for name, recording in (("monday", "run_2.mcap"), ("tuesday", "run_10.mcap"), ("again", "run_2.mcap")):
+        (tmp_path / "index").mkdir(exist_ok=True)
+        index(runs / recording, output=tmp_path / "index" / f"{name}.parquet", executor=Here())
+    there = drives(tmp_path / "index")
+    assert there.files == (str(runs / "run_2.mcap"), str(runs / "run_10.mcap"))
+    assert len(there) == 2
+    assert there.candidates(NEVER) == []
+    os.utime(runs / "run_10.mcap", (1, 1))
+    assert there.candidates(NEVER) == [str(runs / "run_10.mcap")]
+
+
+def test_an_index_that_is_trusted_looks_at_no_recording(
+    runs: Path, output: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    there = index(runs / "*.mcap", output=output, executor=Here())
+    os.utime(runs / "run_10.mcap", (1, 1))
+    monkeypatch.setattr(os, "stat", lambda *_, **__: pytest.fail("looked at a file"))
+    assert there.candidates(NEVER, check=False) == []
+    hits = there.find(NEVER, check=False)
+    assert (len(hits), len(hits.files)) == (0, 2)
+
+
 def test_a_new_index_reads_what_is_new_and_leaves_out_what_is_not_named(runs: Path, output: Path) -> None:
     first = index(runs, output=output, executor=Here()).to_arrow().to_pylist()
     copy(runs / "run_2.mcap", runs / "run_3.mcap")
@@ -146,12 +266,12 @@ def test_an_interrupt_leaves_an_index_that_misses_nothing(
         if current_thread() is main_thread() and done and next(updates) == 2:
             both_before.set()
 
-    def interrupts(recording: Any) -> Any:
+    def interrupts(recording: Any, fields: Any) -> Any:
         if recording.path.name == "run_10.mcap" and not released.is_set():
             both_before.wait()
             os.kill(os.getpid(), SIGINT)
             released.wait()
-        return seconds_of(recording)
+        return seconds_of(recording, fields)
 
     monkeypatch.setattr(Progress, "update", counts)
     monkeypatch.setattr(own, "seconds_of", interrupts)
@@ -207,5 +327,9 @@ def test_the_command_writes_an_index_and_searches_by_it(
     lines = capsys.readouterr().out.splitlines()
     assert [line.split("\t")[0] for line in lines[1:]] == [hit.file for hit in find(NEAR, *files)]
     assert main(["find", str(output), "--nearest-below", "0.01"]) == 1
+    assert main(["index", *files, "-o", str(output), "--field", "/odom.twist.twist.linear.x"]) == 0
+    assert drives(output).fields == ("/odom.twist.twist.linear.x",)
+    assert main(["index", *files, "-o", str(output), "--field", "/odom.twist.twist.linear.x > 0.1"]) == 2
+    assert "--field needs --follow" in capsys.readouterr().err
     assert main(["index", *files, "-o", "drives.csv"]) == 2
     assert "expected a name that ends in .parquet" in capsys.readouterr().err

@@ -1,0 +1,266 @@
+"""A condition in two sets of drives: how often, the difference with its interval, and the files and places of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf, isfinite, sqrt
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from ..recordings.columns.tables import RowType, library, number, text, whole
+from ..runtime.tables import Table
+from ..samples.checks import number as checked_number
+from ._fleet_table import SHOWN, FleetTable, short
+from ._index_file import IndexFile
+from ._rates import Exposure, Rate, rates_of
+from .hits import Hits
+
+_HOUR = 3600.0
+
+
+class SearchedSet(NamedTuple):
+    """The results of a condition in a set of drives, under its name."""
+
+    name: str
+    hits: Hits
+    file: IndexFile
+
+    def exposure(self) -> Exposure:
+        """Return the number of hits and the hours of each drive that could be searched."""
+        left_out = {one.file for one in self.hits.unread}
+        counts = Counter(hit.file for hit in self.hits)
+        files = self.file.files.to_pylist()
+        is_searched = np.array([file not in left_out for file in files], bool)
+        found = np.array([counts.get(file, 0) for file in files], np.int64)
+        return Exposure(found[is_searched], self.file.seconds[is_searched] / _HOUR)
+
+
+class RateTable(FleetTable):
+    """A table of `RateComparison`, the rows with the largest differences first. Printed, it shows these.
+
+    Args:
+        heading: the line above it.
+        kinds: the columns with their types.
+        found: the values of each row, by column.
+        **rows: as for `FleetTable`.
+    """
+
+    _types: ClassVar = {}
+
+    def __init__(
+        self, heading: str, kinds: Mapping[str, RowType], found: Sequence[Mapping[str, Any]], **rows: Any
+    ) -> None:
+        super().__init__(**rows)
+        self._heading, self._columns_of, self._found = heading, kinds, tuple(found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def _kinds(self) -> Mapping[str, RowType]:
+        return self._columns_of
+
+    def _rows(self) -> Iterator[Mapping[str, Any]]:
+        yield from self._found
+
+    def _all(self) -> Iterator[Mapping[str, Any]]:
+        return self._rows()
+
+    def _table(self) -> Table:
+        heads = tuple(self._columns_of)
+        names = short([row["file"] for row in self._found[:SHOWN]]) if "file" in heads else {}
+        rows = [tuple(_shown(names.get(row[head], row[head])) for head in heads) for row in self._found[:SHOWN]]
+        more = [f"  ... and {len(self) - SHOWN:,} more"] if len(self) > SHOWN else []
+        right = [i for i, kind in enumerate(self._columns_of.values()) if kind is not text]
+        return Table(self._heading, heads, rows, right, more)
+
+
+class RateComparison(FleetTable):
+    """A condition in two sets of drives: see `Drives.compare`.
+
+    A row for each set, and one for the ``difference``, the second minus the first. The columns: ``set``, ``drives``
+    that could be searched, their ``hours`` by whole seconds, ``count`` of the spans, ``per_hour``, and the ends ``low``
+    and ``high`` of its interval of 95 %.
+
+    Args:
+        condition: the text of the condition.
+        before: the results in the first set.
+        after: the results in the second set.
+    """
+
+    _types: ClassVar = {
+        "set": text,
+        "drives": whole,
+        "hours": number,
+        "count": whole,
+        "per_hour": number,
+        "low": number,
+        "high": number,
+    }
+
+    def __init__(self, condition: str, before: SearchedSet, after: SearchedSet) -> None:
+        both = before.hits, after.hits
+        until = [len(hits.files) if hits.until is None else hits.until for hits in both]
+        super().__init__(
+            [*both[0].files, *both[1].files],
+            [*both[0].unread, *both[1].unread],
+            None if all(hits.is_complete for hits in both) else sum(until),
+        )
+        self.condition = condition
+        self._sets = before, after
+        self.before, self.after = both
+        """The spans in each set, as `Hits`."""
+        self._exposures = before.exposure(), after.exposure()
+        *self._rates, self.difference, self.spread = rates_of(*self._exposures)
+        """The difference per hour with its interval; and the variance between drives, 1 for a Poisson rate."""
+
+    @property
+    def is_different(self) -> bool:
+        """True if the interval of the difference does not contain 0."""
+        return not self.difference.low <= 0 <= self.difference.high
+
+    def by_file(self) -> RateTable:
+        """Return a row for each recording with a span, the ones furthest above the common rate first."""
+        exposures = self._exposures
+        hours = sum(float(one.hours.sum()) for one in exposures)
+        usual = sum(int(one.counts.sum()) for one in exposures) / hours if hours else 0.0
+        found = []
+        for part in self._sets:
+            counts = Counter(hit.file for hit in part.hits)
+            seconds = dict(zip(part.file.files.to_pylist(), part.file.seconds.tolist(), strict=True)) if counts else {}
+            for file, count in counts.items():
+                own = seconds[file] / _HOUR
+                found.append(
+                    {
+                        "set": part.name,
+                        "file": file,
+                        "hours": own,
+                        "count": count,
+                        "per_hour": count / own if own else inf,
+                    }
+                )
+        found.sort(key=lambda row: (usual * row["hours"] - row["count"]) / sqrt(max(usual * row["hours"], 1e-9)))
+        kinds = {"set": text, "file": text, "hours": number, "count": whole, "per_hour": number}
+        return RateTable(f"{self.condition}, by file", kinds, found, files=self.files)
+
+    def by_place(self, size: float = 1.0) -> RateTable:
+        """Return a row for each square of the floor with a span in it, the largest differences first.
+
+        Places are by odometry, so they agree between drives that start at the same place in the same direction. The
+        place of a span is the place at its start; hours count the seconds with a message in the square.
+
+        Args:
+            size: the side of a square in metres.
+
+        Raises:
+            TypeError, ValueError: the size is not a number above 0.
+        """
+        if not 0 < checked_number("size", size) < inf:
+            raise ValueError(f"size: expected metres above 0, got {size!r}")
+        names = ("before", "after")
+        seconds, counts = (
+            [_seconds_by_place(one, size) for one in self._sets],
+            [_hits_by_place(one, size) for one in self._sets],
+        )
+        found = []
+        for place in dict.fromkeys([*counts[0], *counts[1]]):
+            row: dict[str, Any] = {"x": (place[0] + 0.5) * size, "y": (place[1] + 0.5) * size}
+            for name, times, spans in zip(names, seconds, counts, strict=True):
+                hours, count = times.get(place, 0) / _HOUR, spans.get(place, 0)
+                row |= {f"hours_{name}": hours, f"count_{name}": count}
+                row[f"per_hour_{name}"] = count / hours if hours else None
+            found.append(row)
+        found.sort(key=_difference, reverse=True)
+        kinds = {"x": number, "y": number}
+        for name in names:
+            kinds |= {f"hours_{name}": number, f"count_{name}": whole, f"per_hour_{name}": number}
+        return RateTable(f"{self.condition}, by squares of {size:g} m", kinds, found, files=self.files)
+
+    def _rows(self) -> Iterator[Mapping[str, Any]]:
+        for part, exposure, rate in zip(self._sets, self._exposures, self._rates, strict=True):
+            yield {
+                "set": part.name,
+                "drives": len(exposure.counts),
+                "hours": float(exposure.hours.sum()),
+                "count": int(exposure.counts.sum()),
+                **_plain(rate),
+            }
+        yield {"set": "difference", **_plain(self.difference)}
+
+    def _all(self) -> Iterator[Mapping[str, Any]]:
+        return self._rows()
+
+    def _table(self) -> Table:
+        heads = tuple(self._types)
+        rows = [tuple(_shown(row.get(head)) for head in heads) for row in self._rows()]
+        if not isfinite(self.difference.low):
+            verdict = "one of the sets has no drive that could be searched"
+        elif self.is_different:
+            verdict = f"{self._sets[1].name} has {'more' if self.difference.per_hour > 0 else 'fewer'} per hour"
+        else:
+            verdict = "the sets do not differ beyond chance"
+        notes = [f"  low and high: 95 % (Poisson, MOVER; variance between drives: {self.spread:.3g})"]
+        return Table(f"{self.condition}: {verdict}", heads, rows, range(1, len(heads)), notes, list(self._complaints()))
+
+
+def _plain(rate: Rate) -> dict[str, float | None]:
+    return {name: value if isfinite(value) else None for name, value in rate._asdict().items()}
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else str(value)
+
+
+def _difference(row: Mapping[str, Any]) -> float:
+    """Return the difference of the counts at a place in standard deviations of equal rates."""
+    hours, count = row["hours_before"] + row["hours_after"], row["count_before"] + row["count_after"]
+    share = row["hours_after"] / hours if hours else 0.5
+    share = min(max(share, 0.01), 0.99)
+    return float(abs(row["count_after"] - count * share) / sqrt(count * share * (1 - share)))
+
+
+def _places(x: Any, y: Any, size: float) -> Any:
+    """Return the numbers of the squares of some places, shape (N, 2)."""
+    return np.floor(np.stack((x, y), axis=1) / size).astype(np.int64)
+
+
+def _seconds_by_place(one: SearchedSet, size: float) -> dict[tuple[int, int], int]:
+    """Return the number of seconds with a message in each square, in recordings that could be searched."""
+    left_out = {unread.file for unread in one.hits.unread}
+    found: Counter[tuple[int, int]] = Counter()
+    for batch in one.file.batches(("file", "x", "y")):
+        file = batch.column("file")
+        names = file.dictionary.to_pylist()
+        is_searched = np.array([name not in left_out for name in names], bool)[file.indices.to_numpy(False)]
+        x, y = batch.column("x").to_numpy(False), batch.column("y").to_numpy(False)
+        is_known = is_searched & np.isfinite(x) & np.isfinite(y)
+        squares, counts = np.unique(_places(x[is_known], y[is_known], size), axis=0, return_counts=True)
+        found.update(dict(zip(map(tuple, squares.tolist()), counts.tolist(), strict=True)))
+    return found
+
+
+def _hits_by_place(one: SearchedSet, size: float) -> Counter[tuple[int, int]]:
+    """Return the number of hits that start in each square; hits at an unknown place do not count."""
+    starts: dict[str, list[float]] = {}
+    for hit in one.hits:
+        starts.setdefault(hit.file, []).append(hit.start)
+    found: Counter[tuple[int, int]] = Counter()
+    if not starts:
+        return found
+    among = library("pyarrow.dataset", "compare").field("file").isin(list(starts))
+    table = one.file.dataset.to_table(["file", "second", "x", "y"], filter=among).unify_dictionaries()
+    files = table["file"].combine_chunks()
+    files = files.chunk(0) if hasattr(files, "num_chunks") else files
+    columns = [files.indices.to_numpy(False), *(table[name].to_numpy() for name in ("second", "x", "y"))]
+    order = np.lexsort((columns[1], columns[0]))
+    codes, second, x, y = (column[order] for column in columns)
+    number_of = {name: i for i, name in enumerate(files.dictionary.to_pylist())}
+    for file, seconds in starts.items():
+        first, last = np.searchsorted(codes, (number_of[file], number_of[file] + 1))
+        row = first + np.searchsorted(second[first:last], seconds, side="right") - 1
+        row = row[np.isfinite(x[row]) & np.isfinite(y[row])]
+        found.update(map(tuple, _places(x[row], y[row], size).tolist()))
+    return found
