@@ -100,11 +100,13 @@ environments: setup
 	scripts/side_by_side.sh 'scripts/venv_on.sh $(OLDEST)' 'scripts/venv_on.sh $(NEWEST)'
 
 # Left out on both: what needs no version of another package and of no Python in particular (`make test-unit` runs it).
-ON_NO_OTHER := scanogram simulator shapes path plots message lessons test_layers.py test_names.py repair/test_fuzz.py \
+# Of DDS, feeds/test_contract.py runs there.
+ON_NO_OTHER := scanogram simulator shapes path plots message lessons test_layers.py test_names.py test_looks.py \
+  repair/test_fuzz.py feeds/test_dds.py \
   samples/test_distance.py sonar/test_sonar_ring.py $(patsubst %,recordings/test_%.py,distances endings places scanogram) \
   $(patsubst tests/unit/%,%,$(wildcard tests/unit/recordings/test_find*.py))
-# Left out on the oldest besides: the longest files, DDS, whose oldest version is nearly the newest, and what stands for a browser.
-NOT_ON_THE_OLDEST := $(ON_NO_OTHER) behaviors feeds/test_dds.py runtime/test_locks.py recordings/test_show.py repair/test_clock.py \
+# Left out on the oldest besides: the longest files, and what stands for a browser.
+NOT_ON_THE_OLDEST := $(ON_NO_OTHER) behaviors runtime/test_locks.py recordings/test_show.py repair/test_clock.py \
   driving/test_drive_widget.py notebook/test_not_in_browser.py screens/test_to_html.py widget/test_watch.py
 
 test-oldest: setup build
