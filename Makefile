@@ -120,10 +120,11 @@ test-ros1: setup build
 	$(PYTEST) --numprocesses 3 tests/ros1
 
 test-notebooks: setup build
-	$(PYTEST) --numprocesses 4 tests/test_notebooks.py tests/test_lesson_languages.py tests/test_study.py
+	$(PYTEST) --numprocesses 4 --dist worksteal tests/test_notebooks.py tests/test_lesson_languages.py tests/test_study.py
 
+# The tests that run a page follow each other: by default, one process gets most of them.
 test-docs: setup build
-	$(PYTEST) --numprocesses 3 tests/test_docs.py tests/test_odd_scans.py
+	$(PYTEST) --numprocesses 3 --dist worksteal tests/test_docs.py tests/test_odd_scans.py
 
 test-wheel: setup
 	$(PYTEST) tests/test_wheel.py
