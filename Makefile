@@ -22,8 +22,9 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes and kernels: the package is compiled for the first of them.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo setup build watch lab lint sizes format check test test-all test-rest test-versions test-oldest test-newest
-.PHONY: test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser browsers site bench pictures clean
+.PHONY: demo setup build exports watch lab lint sizes format check test test-all test-rest
+.PHONY: environments test-versions test-oldest test-newest
+.PHONY: test-js test-unit test-ros1 test-notebooks test-docs test-wheel test-browser chromium browsers site bench pictures clean
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
 
@@ -33,6 +34,8 @@ demo: build
 setup: $(INSTALLED) $(MODULES)
 
 build: $(BUNDLES)
+
+exports: $(EXPORT_MODULES)
 
 # Two terminals: one rebuilds the bundles at every change, in the other JupyterLab puts each new one on show.
 watch: setup
@@ -65,8 +68,8 @@ check: lint test-js sizes
 	$(UNITS) -m 'not slow'
 
 # All that is quick, and one path of each widget in a real browser.
-test: setup build $(EXPORT_MODULES)
-	scripts/chromium.sh
+test:
+	scripts/side_by_side.sh '$(MAKE) setup build exports' '$(MAKE) chromium'
 	scripts/side_by_side.sh '$(MAKE) lint test-js test-wheel' '$(MAKE) test-notebooks'
 	$(UNITS) -m 'not slow'
 	$(BROWSER) -m core
@@ -75,8 +78,8 @@ test: setup build $(EXPORT_MODULES)
 test-all: test test-rest
 
 # Everything that `make test` leaves out.
-test-rest: setup build $(EXPORT_MODULES) browsers
-	scripts/side_by_side.sh '$(MAKE) test-ros1' '$(MAKE) test-docs'
+test-rest: setup build $(EXPORT_MODULES)
+	scripts/side_by_side.sh '$(MAKE) test-docs' '$(MAKE) test-ros1' '$(MAKE) browsers'
 	$(UNITS) -m slow
 	$(BROWSER) -m 'not core'
 
@@ -90,29 +93,38 @@ test-unit: setup build
 # newest versions of all packages, the oldest the oldest that pyproject.toml allows.
 test-versions: test-oldest test-newest
 
+OLDEST := oldest 3.10
+NEWEST := newest "3.14 3.13"
+
+environments: setup
+	scripts/side_by_side.sh 'scripts/venv_on.sh $(OLDEST)' 'scripts/venv_on.sh $(NEWEST)'
+
 # Left out on both: what needs no version of another package and of no Python in particular (`make test-unit` runs it).
-ON_NO_OTHER := scanogram simulator shapes path plots message lessons test_layers.py test_names.py repair/test_fuzz.py \
+# Of DDS, feeds/test_contract.py runs there.
+ON_NO_OTHER := scanogram simulator shapes path plots message lessons test_layers.py test_names.py test_looks.py \
+  repair/test_fuzz.py feeds/test_dds.py \
   samples/test_distance.py sonar/test_sonar_ring.py $(patsubst %,recordings/test_%.py,distances endings places scanogram) \
   $(patsubst tests/unit/%,%,$(wildcard tests/unit/recordings/test_find*.py))
-# Left out on the oldest besides: the longest files, DDS, whose oldest version is nearly the newest, and what stands for a browser.
-NOT_ON_THE_OLDEST := $(ON_NO_OTHER) behaviors feeds/test_dds.py runtime/test_locks.py recordings/test_show.py repair/test_clock.py \
+# Left out on the oldest besides: the longest files, and what stands for a browser.
+NOT_ON_THE_OLDEST := $(ON_NO_OTHER) behaviors runtime/test_locks.py recordings/test_show.py repair/test_clock.py \
   driving/test_drive_widget.py notebook/test_not_in_browser.py screens/test_to_html.py widget/test_watch.py
 
 test-oldest: setup build
-	scripts/units_on.sh oldest 3.10 -m 'not slow or versions' $(addprefix --ignore tests/unit/,$(NOT_ON_THE_OLDEST))
+	scripts/units_on.sh $(OLDEST) -m 'not slow or versions' $(addprefix --ignore tests/unit/,$(NOT_ON_THE_OLDEST))
 
 test-newest: setup build
-	scripts/units_on.sh newest "3.14 3.13" -m 'not slow or versions' $(addprefix --ignore tests/unit/,$(ON_NO_OTHER))
+	scripts/units_on.sh $(NEWEST) -m 'not slow or versions' $(addprefix --ignore tests/unit/,$(ON_NO_OTHER))
 
 test-ros1: setup build
 	scripts/ros1.sh
 	$(PYTEST) --numprocesses 3 tests/ros1
 
 test-notebooks: setup build
-	$(PYTEST) --numprocesses 4 tests/test_notebooks.py tests/test_lesson_languages.py tests/test_study.py
+	$(PYTEST) --numprocesses 4 --dist worksteal tests/test_notebooks.py tests/test_lesson_languages.py tests/test_study.py
 
+# The tests that run a page follow each other: by default, one process gets most of them.
 test-docs: setup build
-	$(PYTEST) --numprocesses 3 tests/test_docs.py tests/test_odd_scans.py
+	$(PYTEST) --numprocesses 3 --dist worksteal tests/test_docs.py tests/test_odd_scans.py
 
 test-wheel: setup
 	$(PYTEST) tests/test_wheel.py
@@ -120,9 +132,11 @@ test-wheel: setup
 test-browser: setup build $(EXPORT_MODULES) browsers
 	$(BROWSER)
 
-# Chromium, Firefox and JupyterLite for the browser tests.
-browsers: setup
+chromium:
 	scripts/chromium.sh
+
+# Chromium, Firefox and JupyterLite for the browser tests.
+browsers: setup chromium
 	scripts/firefox.sh
 	scripts/lite.sh
 
@@ -134,14 +148,12 @@ site: setup build $(EXPORT_MODULES)
 	.venv/bin/python scripts/lite_site.py site/lite docs=site/try
 	rm -r site/try
 
-bench: setup build
-	scripts/chromium.sh
+bench: setup build chromium
 	.venv/bin/pip install --quiet --group bench
 	.venv/bin/python -m benchmarks
 
 # Draws the pictures, and writes the pages, of the documentation anew; look at them before you commit them.
-pictures: setup build
-	scripts/chromium.sh
+pictures: setup build chromium
 	PICTURES=1 $(PYTEST) tests/browser/test_gallery.py
 	mkdir -p docs/images
 	for picture in tests/screenshots/gallery-*@2x.png; do \

@@ -5,6 +5,9 @@ what=$1
 shift
 if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
   echo "$what is missing; installing $*"
+  # apt-get fails while another one runs.
+  exec {lock}<"$0"
+  flock "$lock"
   apt-get update -qq
   DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" </dev/null
 else

@@ -6,6 +6,7 @@ import gc
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -14,6 +15,10 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+
+# For a format that no notebook has, jsonschema builds a grammar at its import, and nbformat imports jsonschema: two
+# seconds in each process that collects tests.
+sys.modules.setdefault("rfc3987_syntax", None)  # type: ignore[arg-type]
 
 # A shell starts background processes with SIGINT ignored, nohup with SIGHUP, and the programs that tests
 # interrupt and end would inherit that.

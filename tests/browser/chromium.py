@@ -9,6 +9,8 @@ from pathlib import Path
 from playwright.sync_api import Browser, Locator, Playwright
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+SHELL = "chromium-headless-shell"
+"""Chromium without windows: pages are the same, but no process draws the bars of a window for each of them."""
 FLAGS = (
     "--no-sandbox",
     "--disable-gpu",
@@ -26,9 +28,10 @@ LOOKS = [("light", 1), ("dark", 2)] if PICTURES else [("dark", 2)]
 """Theme and scale, for tests that hold in any theme. People look at their pictures in both."""
 
 
-def launch(playwright: Playwright) -> Browser:
+def launch(playwright: Playwright, *, is_shell_enough: bool = False) -> Browser:
     """Start the system's Chromium, which `make test-browser` installs; without it, the tests fail."""
-    found = [path for name in NAMES if (path := shutil.which(name))]
+    names = (SHELL, *NAMES) if is_shell_enough else NAMES
+    found = [path for name in names if (path := shutil.which(name))]
     if not found:
         raise RuntimeError(f"no Chromium on PATH (looked for {', '.join(NAMES)}): run scripts/chromium.sh")
     return playwright.chromium.launch(executable_path=found[0], args=FLAGS)

@@ -140,7 +140,7 @@ def playwright() -> Iterator[Playwright]:
 
 @pytest.fixture(scope="session")
 def browser(playwright: Playwright) -> Iterator[Browser]:
-    started = chromium.launch(playwright)
+    started = chromium.launch(playwright, is_shell_enough=not chromium.PICTURES)
     yield started
     started.close()
 

@@ -1,6 +1,8 @@
 // What the tests ask of JupyterLab inside the page, by the objects that its own extensions use.
 window.driver = (() => {
   const runs = new Map();
+  const watched = new WeakSet();
+  const saving = new Set();
   const app = () => window.jupyterapp;
   const panelOf = (path) => [...app().shell.widgets("main")].find((widget) => widget.context?.path === path);
   const cellOf = (path, index) => panelOf(path).content.widgets.at(index);
@@ -18,11 +20,14 @@ window.driver = (() => {
     },
 
     // Closes all notebooks, without the question whether to save them; false if the page cannot be used again.
-    closeAll() {
+    async closeAll() {
       // A page with documents beside each other opens again what was open when it was loaded.
       if (!this.isLoaded() || this.isSpoilt || app().shell.mode !== "single-document") return false;
       // What plays goes on without its view.
       for (const stop of document.querySelectorAll('.rw-play[title^="Stop here"]')) stop.click();
+      // JupyterLab reports an error if a notebook is closed while it is saved, as ours do with their pictures.
+      for (let i = 0; saving.size && i < 600; i++) await new Promise((done) => setTimeout(done, 100));
+      if (saving.size) return false;
       for (const widget of [...app().shell.widgets("main")]) widget.dispose();
       this.slowDown(1);
       return true;
@@ -44,6 +49,13 @@ window.driver = (() => {
 
     ready(path) {
       const panel = app() && panelOf(path);
+      if (panel && !watched.has(panel.context)) {
+        watched.add(panel.context);
+        panel.context.saveState.connect((context, state) => {
+          if (state === "started") saving.add(context);
+          else saving.delete(context);
+        });
+      }
       const kernel = panel?.sessionContext?.session?.kernel;
       return Boolean(
         panel?.context.isReady &&

@@ -17,6 +17,8 @@ BYTES_PER_RUN = 300_000
 # Of closed widgets they keep 160 kB at most; all their scripts and stylesheets have 250 kB.
 BYTES_PER_CLOSED_RUN = 220_000
 PATIENCE_S = 60.0
+HAS_PICTURE = """(path) =>
+    Object.keys(window.driver.savedOutputs(path, 1)[0]?.data ?? {}).some((type) => type.startsWith("image/"))"""
 
 # `made` keeps every widget alive in Python, as IPython's history does.
 SHOW = """
@@ -39,6 +41,8 @@ def test_a_cell_that_runs_again_leaves_nothing_of_the_views_before_nor_closed_wi
         nb.widget(1, 3)
 
     run(WARM_UP)
+    # The parts of the page that are loaded after the first view have come.
+    nb.page.wait_for_function(HAS_PICTURE, arg=nb.path)
     nb.python(CLOSE)
     without = memory.kept()
     run(WARM_UP)

@@ -11,6 +11,7 @@ from pathlib import Path
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
+import nbformat
 import pytest
 
 import robowidgets
@@ -205,8 +206,6 @@ def test_open_writes_a_notebook_for_the_file(lab, here):
     assert main(["open", os.path.relpath(robowidgets.SAMPLE)]) == 0
     written = lab[0][0]
     assert written.name == "sample.ipynb"
-    import nbformat  # takes two seconds in each process that collects tests
-
     notebook = nbformat.read(written, as_version=nbformat.NO_CONVERT)
     nbformat.validate(notebook)
     assert [cell.source for cell in notebook.cells if cell.cell_type == "code"] == [

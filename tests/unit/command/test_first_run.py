@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import nbformat
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -88,8 +89,6 @@ _lab.run(Path(sys.argv[1]), 0, False, print)
 
 
 def write(file, sources, kernel=KERNEL):
-    import nbformat  # takes two seconds in each process that collects tests
-
     cells = [nbformat.v4.new_code_cell(source) for source in sources]
     if file.stem == "whole":
         cells[1].metadata.update(LIVE)
@@ -104,8 +103,6 @@ def environment(folder):
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     """The results of each notebook: its cells, its messages, its trust, and the answers of its kernels."""
-    import nbformat
-
     folder = tmp_path_factory.mktemp("notebooks")
     for name, sources in NOTEBOOKS.items():
         write(folder / f"{name}.ipynb", sources, KERNEL | ({"name": "cobol"} if name == "foreign" else {}))
@@ -130,8 +127,6 @@ def texts(notebook):
 
 @pytest.mark.versions
 def test_a_notebook_holds_what_its_cells_show_and_the_state_of_its_widgets(run):
-    import nbformat
-
     notebook, said, trusted, answers = run["whole"]
     nbformat.validate(notebook)
     view = notebook.cells[0].outputs[0].data["application/vnd.jupyter.widget-view+json"]

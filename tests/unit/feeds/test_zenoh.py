@@ -333,7 +333,10 @@ def test_a_truncated_message_is_reported_until_a_whole_one_comes(zenoh: Zenoh, h
 def test_lost_messages_are_counted_if_each_is_wanted(zenoh: Zenoh, heard: Ears, robot: Process) -> None:
     zenoh.follow(frozenset({"/name"}), frozenset({"/name"}))
     put = ("put", "/name", STRING, hash_of(STRING), VOLATILE, encode("cdr", STRING, {"data": "ok"}).hex())
-    until(robot, lambda: heard.of("/name"), "one comes", *put)
+    robot.do(*put)  # before a subscriber is there
+    robot.do("wait_for_subscriber", "/name", STRING)
+    robot.do(*put)
+    wait_for(lambda: heard.of("/name"), "one comes")
     robot.do("skip", "/name", STRING, 7)
     robot.do(*put)
     wait_for(lambda: heard.missed["/name"] == 7, "the seven are counted")

@@ -13,6 +13,7 @@ from robowidgets.fleet import find
 from robowidgets.recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, likeliest, only
 
 from ..recordings import recorded
+from .executors import Here
 
 
 def scans(**counts: int) -> list[Topic]:
@@ -66,18 +67,18 @@ def test_a_function_reads_a_topic_without_a_widget_that_is_named(
     with_pressure: Callable[..., Path], topics: str | list[str]
 ) -> None:
     path = with_pressure("/cmd_vel")
-    hits = find(is_late, path, topics=topics)
+    hits = find(is_late, path, topics=topics, executor=Here())
     assert [(hit.start, hit.topic) for hit in hits] == [(1.2, "/pressure")]
-    both = find(lambda moment: is_late(moment) and moment.speed.linear[0] == 0, path, topics=topics)
+    both = find(lambda moment: is_late(moment) and moment.speed.linear[0] == 0, path, topics=topics, executor=Here())
     assert [hit.start for hit in both] == [1.2]
 
 
 def test_a_function_without_a_topic_to_read_is_reported(with_pressure: Callable[..., Path]) -> None:
     path = with_pressure()
-    hits = find(is_late, path)
+    hits = find(is_late, path, executor=Here())
     why = "run has no topic that a widget shows: name the topics that the function reads, as in topics=['/pressure']"
     assert [one.problem for one in hits.unread] == [why]
-    assert [hit.start for hit in find(is_late, path, topics="/pressure")] == [1.2]
+    assert [hit.start for hit in find(is_late, path, topics="/pressure", executor=Here())] == [1.2]
     with (
         robowidgets.open(path) as recording,
         pytest.raises(UnknownTopicError, match="topics is empty: name the topics that the function reads"),

@@ -126,7 +126,7 @@ def test_each_line_has_a_graph_of_bounded_size_and_counts_over_the_whole_recordi
     assert newest["total"] == len(table)
     ((_, counts),) = newest["totals"].items()
     found = {line: true for line, _, true in counts}
-    assert found[2] == sum(table.at(seconds)[FIRST + 2] == "True" for seconds in table.seconds)
+    assert found[2] == sum(moment.sample.distance("front") < 0.6 for moment in recording.samples("/scan"))
     assert len(json.dumps(told)) < 20_000
 
 

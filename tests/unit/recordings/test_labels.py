@@ -14,6 +14,7 @@ from robowidgets import RecordingError, conditions
 from robowidgets.fleet import find
 from robowidgets.recordings.labels import FILE
 
+from ..fleet.executors import Here
 from . import recorded, robot
 
 
@@ -46,7 +47,7 @@ def test_a_label_is_kept_next_to_the_recording_read_again_and_searched(drive: Pa
 
 def test_a_search_of_many_recordings_sees_a_label_that_was_given_since(drive: Path) -> None:
     def found() -> list[tuple[str, float]]:
-        return [(Path(hit.file).name, hit.start) for hit in find(conditions.label("door"), drive)]
+        return [(Path(hit.file).name, hit.start) for hit in find(conditions.label("door"), drive, executor=Here())]
 
     assert found() == []
     with robowidgets.open(drive) as recording:
@@ -122,7 +123,7 @@ def test_labels_match_the_recording_however_its_path_is_written(
             recording.label(f"door {number}", number, number + 0.5)
             assert len(recording.labels) == number
         for named in (path, run, tmp_path):
-            assert [hit.start for hit in find(conditions.label(f"door {number}"), named)] == [number]
+            assert [hit.start for hit in find(conditions.label(f"door {number}"), named, executor=Here())] == [number]
     assert (tmp_path / FILE).exists()
 
 
@@ -176,8 +177,10 @@ def test_labels_follow_a_recording_that_is_renamed(labelled: Path) -> None:
     assert labels_of(renamed) == [DOOR]
     assert labels_of(labelled.parent / "other") == []
     assert complaints(renamed) == complaints(labelled.parent / "other") == []
-    assert [Path(hit.file).name for hit in find(conditions.label("door"), labelled.parent)] == ["monday.mcap"]
-    hits = find(conditions.label("door"), renamed)
+    assert [Path(hit.file).name for hit in find(conditions.label("door"), labelled.parent, executor=Here())] == [
+        "monday.mcap"
+    ]
+    hits = find(conditions.label("door"), renamed, executor=Here())
     with robowidgets.open(renamed) as recording:
         wall = recording.label("wall", 20.0, 21.0)
         recording.remove_label(recording.labels[0])

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 from typing import Any
 
+import nbformat
 import pytest
+from nbclient import NotebookClient
 
 SETUP = """
 import asyncio, threading
@@ -74,9 +76,6 @@ TEXT = "angle_min: expected a finite number of radians, got nan"
 @pytest.fixture(scope="module")
 def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Any]]:
     """The outcome of each cell."""
-    import nbformat  # takes two seconds in each process that collects tests
-    from nbclient import NotebookClient
-
     home = tmp_path_factory.mktemp("kernel")
     own = {name: str(home) for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_DATA_DIR", "JUPYTER_CONFIG_DIR", "IPYTHONDIR")}
     cells = [nbformat.v4.new_code_cell(source) for source in (SETUP, *CELLS.values())]
