@@ -124,7 +124,7 @@ test-notebooks: setup build
 
 # The tests that run a page follow each other: by default, one process gets most of them.
 test-docs: setup build
-	$(PYTEST) --numprocesses 3 --dist worksteal tests/test_docs.py tests/test_odd_scans.py
+	$(PYTEST) --numprocesses 3 --dist worksteal --doctest-modules --ignore $(JS) tests/test_docs.py tests/test_odd_scans.py robowidgets
 
 test-wheel: setup
 	$(PYTEST) tests/test_wheel.py
