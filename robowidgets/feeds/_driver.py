@@ -180,6 +180,7 @@ class Driver:
         lease = self.watchdog.lend(seconds, stops)
         try:
             self._send_soon(velocity, stops, lease, check)
+            check()
         except BaseException:
             self.watchdog.end_lease(lease)
             raise

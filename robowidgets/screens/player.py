@@ -578,21 +578,24 @@ class Player(ScreenWidget):
 
     def _label(self, asked: Any) -> None:
         """Add a label, remove one, or both: the new one and the old one, either may be None."""
-        problem = ""
+        problem, stored = "", None
         try:
             new, old = asked
             with self._seeking:
                 gone = [one for one in self.recording.labels if old and [one.start, one.end, one.label] == old]
+                if old and not gone:
+                    raise ValueError(f"the label {old[2]!r} was changed or removed meanwhile; nothing is changed now")
                 if new is not None:
                     start, end, name = new
                     named = self.recording.label(name, start, max(end, start + SHORTEST))
+                    stored = [named.start, named.end, named.label]
                     gone = [label for label in gone if label != named]
                 for label in gone:
                     self.recording.remove_label(label)
             self.read_labels()
         except (RecordingError, TypeError, ValueError) as error:
             problem = str(error)
-        self.bar.send({"labelled": asked, "problem": problem})
+        self.bar.send({"labelled": asked, "stored": stored, "problem": problem})
 
     def read_labels(self) -> None:
         """Show the current labels of the recording."""

@@ -78,6 +78,29 @@ test("a sector that was changed, renamed or removed comes back, and those that P
   closing.abort();
 });
 
+test("a sector that Python has changed since, or has added, stays", () => {
+  const { picture } = makeCard();
+  const model = new FakeModel({ _sectors: { front: FRONT }, _selection: {} });
+  const closing = new AbortController();
+  const store = new SectorStore(model.model as never, picture, closing.signal);
+  const changes = new Changes(picture, new AbortController().signal);
+  const { now } = store;
+  store.pick("front");
+  model.receive({ _sectors: { ...store.kept, back: LEFT } });
+  store.keepUndo(now);
+  assert.equal(changes.undo(), "");
+  assert.deepEqual(store.kept, { front: FRONT, back: LEFT });
+  const { now: before } = store;
+  store.put({ name: "front", sector: LEFT });
+  store.keepUndo(before);
+  model.receive({ _sectors: { ...store.kept, front: { start: 0, end: 1 } } });
+  closing.abort();
+  const { length } = model.saved;
+  changes.undo();
+  assert.deepEqual(store.kept, { front: { start: 0, end: 1 }, back: LEFT });
+  assert.ok(model.saved.length > length, "the view that made the change has ended");
+});
+
 test("the choice of a kept sector is not a change", () => {
   const { card, picture } = makeCard();
   const model = new FakeModel({ _sectors: { front: FRONT }, _selection: {} });

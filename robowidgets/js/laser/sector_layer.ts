@@ -53,7 +53,7 @@ export class SectorLayer implements Layer {
     this.hint.append(make("span", "", "drag along an arc to select rays"));
     const onDragged = (before: Sectors) => {
       this.hint.remove();
-      this.#before ??= before;
+      this.store.keepUndo(before);
       this.#chip.close();
       this.#leaveEdge();
       this.say();
@@ -141,7 +141,7 @@ export class SectorLayer implements Layer {
     const handle = this.#handleAt(point, GRAB.mouse);
     const name = handle ? handle.named.name : this.#nameAt(point);
     if (!name) return handle !== null;
-    this.#begin();
+    this.#leaveEdge();
     this.store.pick(this.store.picked?.name === name ? null : name);
     this.say();
     return true;
@@ -189,12 +189,14 @@ export class SectorLayer implements Layer {
     const scan = this.#host.stream.shown;
     if (!scan || scan.count < 2) return;
     if (!this.store.picked) {
-      this.#begin();
+      const { now } = this.store;
+      this.#before = now;
       const pinned = this.#host.model.get("pinned");
       const middle = Math.min(scan.count - 1, pinned ?? Math.max(0, indexAt(scan, 0)));
       const few = Math.max(1, Math.round(scan.count / 40));
       this.store.put({ name: "", sector: sectorTo(scan, middle - Math.min(middle, few), middle + few) });
-    } else if (!this.#edge) this.#begin();
+      this.store.keepUndo(now);
+    } else if (!this.#edge) this.#before = this.store.now;
     this.#edge = edge;
     this.say();
     this.#host.card.redraw();
@@ -205,7 +207,9 @@ export class SectorLayer implements Layer {
     const { picked } = this.store;
     const at = scan && picked && this.#edge && raysAt(scan, picked.sector, this.#edge);
     if (!scan || !picked || !at || !this.#edge) return;
+    const { now } = this.store;
     this.store.put({ ...picked, sector: withEdge(scan, picked.sector, this.#edge, at.fixed, at.moved + rays) });
+    this.store.keepUndo(now);
     this.say();
   }
 
@@ -286,19 +290,7 @@ export class SectorLayer implements Layer {
     return this.store.all.find(({ sector }) => isIn(sector, this.#drags.angleAt(point)))?.name ?? "";
   }
 
-  #begin(): void {
-    this.#end();
-    this.#before = this.store.now;
-  }
-
-  /** Ends the change of an edge: Ctrl+Z undoes it as a whole. */
-  #end(): void {
-    if (this.#before) this.store.keepUndo(this.#before);
-    this.#before = null;
-  }
-
   #leaveEdge(): void {
-    this.#end();
     this.#edge = null;
     this.#host.card.redraw();
   }

@@ -85,23 +85,34 @@ export class SectorStore {
     return { kept: this.kept, selection: this.#model.get("_selection") };
   }
 
-  /** Restores the sectors that differ between two times; Python may have set others since. */
+  /**
+   * Restores the sectors that were picked at two times. A sector that Python, or another view, has set since stays as
+   * it is.
+   */
   restore({ kept, selection }: Sectors, after = this.now): void {
     const all = { ...this.kept };
-    for (const name of new Set([...Object.keys(kept), ...Object.keys(after.kept)])) {
+    for (const name of namesIn({ kept, selection }, after)) {
       const [old, changed] = [kept[name], after.kept[name]];
-      if (isSame(old, changed)) continue;
+      if (isSame(old, changed) || !isSame(all[name], changed)) continue;
       if (old) all[name] = old;
       else delete all[name];
     }
     this.#put(all, selection);
+    // The view whose change it was may have ended.
+    this.#model.save_changes();
   }
 
   /** Keeps the change since a time for Ctrl+Z, if there is one. */
   keepUndo(before: Sectors): void {
-    const { now: after, picked } = this;
-    if (isSame(drawn(before), drawn(after))) return;
-    const name = picked?.name || before.selection.name;
+    const { now: after } = this;
+    const names = namesIn(before, after);
+    // Without the choice among the kept ones.
+    const [old, changed] = [before, after].map(({ kept, selection }) => [
+      names.map((name) => kept[name]),
+      selection.name === undefined ? selection : {},
+    ]);
+    if (isSame(old, changed)) return;
+    const name = names.at(-1);
     keepChange(this.#card, { words: name ? `sector “${name}”` : "sector", undo: () => this.restore(before, after) });
   }
 
@@ -112,9 +123,9 @@ export class SectorStore {
   }
 }
 
-/** The sectors, without the choice among the kept ones. */
-function drawn({ kept, selection }: Sectors): unknown {
-  return [kept, selection.name === undefined ? selection : {}];
+/** The names of the sectors that were picked at two times. */
+function namesIn(...times: Sectors[]): string[] {
+  return times.flatMap(({ selection: { name } }) => (name === undefined ? [] : [name]));
 }
 
 function isSame(a: unknown, b: unknown): boolean {

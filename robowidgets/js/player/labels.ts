@@ -16,6 +16,13 @@ const BUSY_MS = 700;
 /** A request to the kernel: to keep the first, in exchange for the second. Either may be null. */
 type Asked = [to: Mark | null, from: Mark | null];
 
+/** The answer to a request; `stored` is the label that was kept, which may be longer than asked. */
+interface Answer {
+  labelled?: Asked;
+  stored?: Mark | null;
+  problem?: string;
+}
+
 const isSame = (a: Asked, b: Asked) => JSON.stringify(a) === JSON.stringify(b);
 
 /** Names of spans that the user gives: a row of them below the slider, and the controls to add and remove them. */
@@ -56,7 +63,7 @@ export class Labels {
     this.row = new NameRow("name of the span", naming, signal);
     this.row.root.classList.add("rw-play-naming");
     onChange(model, ["labels"], redraw, signal);
-    onMessage(model, (answer: { labelled?: Asked; problem?: string }) => this.#onAnswer(answer), signal);
+    onMessage(model, (answer: Answer) => this.#onAnswer(answer), signal);
     onAbort(signal, () => clearTimeout(this.#timer));
   }
 
@@ -182,7 +189,7 @@ export class Labels {
     this.#redraw();
   }
 
-  #onAnswer({ labelled, problem }: { labelled?: Asked; problem?: string }): void {
+  #onAnswer({ labelled, stored, problem }: Answer): void {
     const of = labelled ? this.#asked.findIndex((asked) => isSame(asked, labelled)) : -1;
     const asked = this.#asked[of];
     if (!asked) return;
@@ -193,7 +200,7 @@ export class Labels {
     // Nothing is lost: the typed text stands in the row again.
     if (problem && span && !this.row.isOpen) this.#name([span[0], span[1]], from, problem, (to ?? from)?.[2]);
     if (!problem && span && !this.#undone.has(asked)) {
-      keepChange(this.lane, { words: `label “${span[2]}”`, undo: () => this.#undo(asked) });
+      keepChange(this.lane, { words: `label “${span[2]}”`, undo: () => this.#undo([stored ?? null, from]) });
     }
     this.#redraw();
   }

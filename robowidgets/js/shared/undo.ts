@@ -7,6 +7,7 @@ export interface Change {
 }
 
 const CHANGED = "rw-changed";
+const MOST = 200;
 const FIELDS = "input:not([type=range]), textarea, select, [contenteditable]";
 
 /** Keeps a change for Ctrl+Z, in the outermost screen or card around an element. */
@@ -33,6 +34,7 @@ export class Changes {
       // On the way in, so that the outermost element has it.
       event.stopPropagation();
       this.#kept.push((event as CustomEvent<Change>).detail);
+      if (this.#kept.length > MOST) this.#kept.shift();
     };
     root.addEventListener(CHANGED, keep, { capture: true, signal });
   }

@@ -381,7 +381,11 @@ class UndecidedCondition(Condition):
 
 class _OfParts(Condition):
     def __init__(self, *parts: Condition) -> None:
-        self._part, self._parts = parts[0], parts
+        self._parts = parts
+
+    @property
+    def _part(self) -> Condition:
+        return self._parts[0]
 
     def topics(self, recording: RecordingData, asked: Any) -> list[str]:
         return [topic for part in self._parts for topic in part.topics(recording, asked)]
@@ -448,6 +452,9 @@ class _Not(_OfParts):
 
 class _OverTime(UndecidedCondition, _OfParts):
     """The condition that the first of some others is true at times that depend on other times."""
+
+    def number(self, recording: RecordingData) -> Curve | None:
+        return self._part.number(recording)
 
     @property
     def of_moment(self) -> Condition:
@@ -519,10 +526,10 @@ class _First(_OfSpans):
 class _Within(_OverTime):
     def __init__(self, part: Condition, seconds: float, after: Condition) -> None:
         super().__init__(part, after)
-        self._seconds, self._after = seconds, after
+        self._seconds = seconds
 
     def steps(self, search: Search) -> Steps:
-        part, after = self._part.steps(search), self._after.steps(search)
+        part, after = (one.steps(search) for one in self._parts)
         longer = round(self._seconds * 1e9)
         edges: list[tuple[int, int]] = []
         for start, end in spans(after, search.end_ns):
@@ -535,7 +542,7 @@ class _Within(_OverTime):
         return combined([part, combined([after, lasting], np.max)], np.min)
 
     def __str__(self) -> str:
-        return f"({self._part} within {self._seconds:g} s after {self._after})"
+        return f"({self._part} within {self._seconds:g} s after {self._parts[1]})"
 
 
 def _seconds(name: str, given: Any) -> float:

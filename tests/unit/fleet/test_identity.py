@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
-from functools import partial
+from functools import partial, reduce
+from operator import or_
 from typing import Any
 
 import numpy as np
@@ -58,3 +59,10 @@ def test_a_condition_that_is_made_again_is_the_same_question() -> None:
 def test_code_and_objects_of_others_are_not_known(value: Any) -> None:
     with pytest.raises(NotIdentifiedError):
         identity_of(value)
+
+
+def test_the_text_of_joined_conditions_grows_with_their_number_alone() -> None:
+    def joined(count: int) -> Any:
+        return reduce(or_, [conditions.nearest_below(0.1 * i) for i in range(1, count + 1)])
+
+    assert len(identity_of(joined(20))) < 3 * len(identity_of(joined(10)))

@@ -119,6 +119,11 @@ def test_a_span_is_named_renamed_and_loses_its_name_on_the_page_which_hears_what
         from_page(player.bar, {"label": [[5.0, 5.5, " "], None]})
         answers = [content for content in told if "labelled" in content]
         assert [bool(answer["problem"]) for answer in answers] == [False] * 5 + [True]
+        assert answers[1]["stored"] == [6.0, 6.001, "here"]  # what an undo has to remove
+        assert [one.label for one in player.recording.labels] == ["here"]
+        for new in (None, door):
+            from_page(player.bar, {"label": [new, door]})
+            assert told[-1]["problem"].startswith("the label 'door' was changed or removed meanwhile")
         assert [one.label for one in player.recording.labels] == ["here"]
     with shown(path) as again:
         assert [name for _, _, name in again.bar.labels] == ["here"]
