@@ -5,6 +5,7 @@ import * as data from "../../robowidgets/js/scanogram/data.ts";
 import { angleLabels, drawTimes } from "../../robowidgets/js/scanogram/draw_axes.ts";
 import { layOut } from "../../robowidgets/js/scanogram/layout.ts";
 import { toRaster } from "../../robowidgets/js/scanogram/paint.ts";
+import { pointAt } from "../../robowidgets/js/scanogram/point.ts";
 import { angleTicks, selectedRays, toRows } from "../../robowidgets/js/scanogram/rows.ts";
 import { runs } from "../../robowidgets/js/scanogram/scene.ts";
 import { State } from "../../robowidgets/js/scanogram/state.ts";
@@ -149,6 +150,21 @@ test("between the parts of a drive no number is shown, and the pop-up says that 
   assert.match(describeUnread(30).details, /30\.00 s\nno scan/);
   assert.deepEqual(toFacts(whole).slice(0, 2), [`6 of ${toCount(1000)} scans`, "21 rays"]);
   assert.match(describeSelection([0, 20], blocks.count([0, 20]), true), /3 scans read$/);
+});
+
+test("pointing between the parts of a drive shows no number of a part", () => {
+  const { whole, blocks } = parts();
+  const rows = toRows(whole.sweep);
+  const axis = { span: [0, 100], left: 0, width: 200 };
+  const band = { top: 0, height: 21 };
+  const layout = { left: 0, width: 200, scans: band, speeds: [], touch: null, states: [] };
+  const scene = { layout, axis, rows, toRow: () => 6, toY: () => 14 } as never;
+  const at = (time: number) => pointAt({ x: 2 * time, y: 14 }, scene, { whole, blocks } as never);
+  assert.deepEqual([at(10.15)?.words.distance, at(10.15)?.row], ["5.00 m", 6]);
+  assert.match(at(9.8)?.words.details ?? "", /10\.00 s/, "the scan of this pixel, with its own time");
+  assert.deepEqual([at(30)?.words.distance, at(30)?.row], ["not read", null]);
+  const all = { whole: known().whole, blocks: known().blocks } as never;
+  assert.equal(pointAt({ x: 190, y: 14 }, scene, all), null, "a whole drive has no pop-up after its last scan");
 });
 
 test("a scan narrower than its pixel is found within the pixel, with its own time, and none farther away", () => {

@@ -15,6 +15,7 @@ import pytest
 
 import robowidgets
 from robowidgets import ScanogramWidget
+from robowidgets.scanogram.levels import COARSEST
 from robowidgets.scanogram.page_parts import detail, most_single, overview
 
 from ..recordings import long_drive
@@ -81,13 +82,19 @@ def test_its_columns_are_those_of_the_whole_and_between_the_parts_there_are_none
 
 
 @pytest.mark.parametrize("columns", [1, 7, 100])
-def test_no_cell_reaches_from_one_part_to_the_next_however_few_columns_the_page_has(path: Path, columns: int) -> None:
+def test_no_cell_reaches_from_one_part_to_the_next_however_few_columns_the_page_has(
+    path: Path, monkeypatch: pytest.MonkeyPatch, columns: int
+) -> None:
+    monkeypatch.setattr("robowidgets.recordings.data.THINNED_READ", (CHUNKS * CHUNK_BYTES, 40))
     picture = thinned(path)[0]._picture
     assert picture is not None
     part = detail(picture.levels, picture.clock, 0, 60, columns)
+    assert len(part.starts) > COARSEST, "a whole drive would have coarser levels"
     assert part.level == 0
     assert (part.ends - part.starts).max() < 0.11
-    assert len(detail(picture.levels, picture.clock, 3.1, 3.2, columns).starts) in (0, 1)
+    gap = np.flatnonzero(picture.clock.starts[1:] > picture.clock.ends[:-1] + 0.5)[0]
+    middle = picture.clock.ends[gap] + 0.2
+    assert len(detail(picture.levels, picture.clock, middle, middle + 0.1, columns).starts) == 0
 
 
 def test_many_rays_leave_room_for_few_scans_of_each_part_and_then_for_fewer_parts(
