@@ -163,7 +163,7 @@ class Recording(RecordingData):
                 ``"/points as laser"`` chooses the widget. Without names, all topics with a widget and a message;
                 without such topics, a few general widgets.
             scanogram: True to show a scanogram of the whole drive above the widgets, or None to show it only if that is
-                quick.
+                quick. Of a drive that is too large, None shows a few parts of the file, evenly spread.
             rerun: True to show the Rerun viewer next to the widgets, with the scans in the world (extra ``rerun``).
             arrangement: the topics, and the cards that were arranged by hand, as returned by `Player.arrangement` of an
                 earlier player.

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .samples import AXES, Scan
 from .samples.scan_problems import of_ranges
-from .scanogram.levels import BUDGET, MEDIAN, NEAREST, Levels
+from .scanogram.levels import BUDGET, COARSEST, MEDIAN, NEAREST, Levels
 from .scanogram.page_parts import detail, overview, pack
 from .scanogram.picture import Picture
-from .scanogram.scan_times import ScanTimes
+from .scanogram.scan_times import ScanTimes, Thinned
 from .scanogram.scans import ScanRanges, ScansInMemory, Sweep
 from .scanogram.strips import SpeedStrip, TouchStrip
 from .widget.base_widget import NamedWidget
@@ -184,7 +184,14 @@ class ScanogramWidget(NamedWidget):
 
     def _summary(self) -> str:
         picture = self._picture
-        return f"{len(picture.levels.scans.times_ns):,} scans, {picture.duration:.1f} s" if picture else "nothing yet"
+        return f"{self.scans_shown}, {picture.duration:.1f} s" if picture else "nothing yet"
+
+    @property
+    def scans_shown(self) -> str:
+        """The number of scans, and of how many if it shows only some of the drive."""
+        picture = self._picture
+        of = f" of {picture.thinned.of:,}" if picture and picture.thinned else ""
+        return f"{len(picture.clock) if picture else 0:,}{of} scans"
 
     def set_speeds(
         self,
@@ -251,13 +258,24 @@ class ScanogramWidget(NamedWidget):
         notes: Sequence[str] = (),
         budget: int = BUDGET,
         file: OpenFile | None = None,
+        thinned: Thinned | None = None,
     ) -> None:
-        """Show scans, in memory or in a file, which is closed with the widget."""
+        """Show scans, in memory or in a file, which is closed with the widget.
+
+        ``thinned`` has the facts about scans that are only some of the drive. They are not merged into coarser cells,
+        which would cover times between them.
+        """
         self._file = file
-        clock = ScanTimes(scans.times_ns, start_ns)
+        clock = ScanTimes(scans.times_ns, start_ns, thinned)
+        levels = Levels(scans, sweep, budget, len(scans.times_ns) if thinned else COARSEST)
         # The last scan lasts to the end of the recording, or for a while if it is the last message.
         end = duration if duration > clock.starts[-1] else float(clock.ends[-1])
-        self._draw(Picture(Levels(scans, sweep, budget), clock, start_ns, end, begin), (*notes, *clock.notes))
+        self._draw(Picture(levels, clock, start_ns, end, begin, thinned=thinned), (*notes, *clock.notes))
+
+    @property
+    def is_thinned(self) -> bool:
+        """True if it shows only some scans of the drive, evenly spread over it."""
+        return self._picture is not None and self._picture.thinned is not None
 
     def _draw(self, picture: Picture, notes: Sequence[str] | None = None) -> None:
         self._picture = picture

@@ -49,6 +49,17 @@ class Chain:
         wanted = {channel.id for channel in channels}
         return sum(s.size_of([c for c in s.channels if ids[c.id] in wanted]) for s, ids in self._parts())
 
+    def thinned(self, channels: Collection[Channel], most_bytes: int, most_parts: int) -> Iterator[list[Message]]:
+        """See `Source`. Each file has a share of the bytes and the parts by its size."""
+        wanted = {channel.id: channel for channel in channels}
+        size = self.size_of(channels)
+        for source, ids in self._parts():
+            ours = [channel for channel in source.channels if ids[channel.id] in wanted]
+            if own := source.size_of(ours):
+                parts = source.thinned(ours, most_bytes * own // size, most_parts * own // size)
+                for part in parts:
+                    yield [(wanted[ids[channel.id]], time_ns, raw) for channel, time_ns, raw in part]
+
     def close(self) -> None:
         """See `Source`."""
         for source in self._sources:

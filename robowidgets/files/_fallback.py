@@ -64,6 +64,15 @@ class FallbackSource:
         """See `Source`."""
         return self._first.size_of(channels)
 
+    def thinned(self, channels: Collection[Channel], most_bytes: int, most_parts: int) -> Iterator[list[Message]]:
+        """See `Source`. A damaged part raises RecordingError: to repair the file, all of it would have to be read."""
+        try:
+            yield from self._first.thinned(channels, most_bytes, most_parts)
+        except RecordingError:
+            raise
+        except Exception as error:  # rosbags raises anything
+            raise RecordingError(f"a part of the file cannot be read: {error}") from None
+
     def close(self) -> None:
         """See `Source`."""
         self._closed = True

@@ -80,6 +80,25 @@ class Chunks(NamedTuple):
             wanted &= self.starts < stop_ns
         return self.by_start[wanted[self.by_start]]
 
+    def spread(self, channels: Collection[int], most_bytes: int, most_chunks: int) -> NDArray[np.int64]:
+        """Return the numbers of chunks with messages of some channels, evenly spread over their time.
+
+        Args:
+            channels: the ids of the channels.
+            most_bytes: the maximum number of their bytes in the file.
+            most_chunks: the maximum number of chunks.
+        """
+        numbers = self.of(channels, None, None)
+        starts, count = self.starts[numbers], min(len(numbers), most_chunks)
+        while count > 0:
+            times = starts[0] + (np.arange(count) + 0.5) / count * (starts[-1] - starts[0])
+            chosen: NDArray[np.int64] = numbers[np.unique(np.searchsorted(starts, times, "right") - 1)]
+            size = int(self.lengths[chosen].sum())
+            if size <= most_bytes:
+                return chosen
+            count = min(count - 1, count * most_bytes // size)
+        return np.empty(0, np.int64)
+
     def counts(self) -> dict[int, int]:
         """Return the number of messages of each channel with a message."""
         return {channel: int(self.places[3, rows].sum()) for channel, rows in self.by_channel.items()}
@@ -218,6 +237,30 @@ class IndexedMcapReader(McapReader):
                 assert message.data is not None
                 yield message.connection, time_ns, message.data
                 _push(opened, messages)
+
+    def thinned(
+        self, connections: Collection[Connection], most_bytes: int, most_chunks: int
+    ) -> Iterator[list[tuple[Connection, int, bytes]]]:
+        """Yield the messages in each of a few chunks; see `Chunks.spread`. A remote file gets one request for each."""
+        channels = {connection.id: connection for connection in connections}
+        for number in self.index.spread(channels, most_bytes, most_chunks).tolist():
+            chunk = self.index.info(number)
+            raw = self._read(chunk.chunk_start_offset, chunk.chunk_length)
+            first, stop = chunk.message_start_time, chunk.message_end_time + 1
+            messages = msgsrc(chunk._replace(chunk_start_offset=0), channels, first, stop, BytesIO(raw))
+            next(messages)  # the start time of the chunk
+            yield [
+                (one.connection, one.timestamp, one.data) for one in messages if one.connection and one.data is not None
+            ]
+
+    def _read(self, start: int, size: int) -> bytes:
+        """Return some bytes of the file. Of a remote file only these are fetched, instead of whole blocks."""
+        assert self.bio is not None
+        fetch: Callable[[int, int], bytes] | None = getattr(self.bio, "fetch", None)
+        if fetch:
+            return fetch(start, start + size)
+        self.bio.seek(start)
+        return self.bio.read(size)
 
     def _messages_in(
         self, number: int, channels: dict[int, Connection], start: int | None, stop: int | None

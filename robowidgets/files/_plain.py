@@ -62,8 +62,7 @@ class PlainSource:
         asked = {channel.id: channel for channel in channels}
         inner = [self._inner[number] for number in asked]
         for channel, time_ns, raw in self._source.messages(inner, start_ns, stop_ns):
-            encode_one = self._encodes.get(channel.id)
-            yield asked[channel.id], time_ns, encode_one(raw) if encode_one else raw
+            yield asked[channel.id], time_ns, self._encode(channel, raw)
 
     def span_ns(self, channel: Channel) -> tuple[int, int] | None:
         """See `Source`."""
@@ -72,6 +71,17 @@ class PlainSource:
     def size_of(self, channels: Collection[Channel]) -> int:
         """See `Source`."""
         return self._source.size_of([self._inner[channel.id] for channel in channels])
+
+    def thinned(self, channels: Collection[Channel], most_bytes: int, most_parts: int) -> Iterator[list[Message]]:
+        """See `Source`."""
+        asked = {channel.id: channel for channel in channels}
+        inner = [self._inner[number] for number in asked]
+        for part in self._source.thinned(inner, most_bytes, most_parts):
+            yield [(asked[channel.id], time_ns, self._encode(channel, raw)) for channel, time_ns, raw in part]
+
+    def _encode(self, channel: Channel, raw: bytes) -> bytes:
+        encode_one = self._encodes.get(channel.id)
+        return encode_one(raw) if encode_one else raw
 
     def close(self) -> None:
         """See `Source`."""

@@ -125,6 +125,14 @@ class RosbagsSource:
             return 0
         return int(reader.index.compressed[reader.index.of([channel.id for channel in channels], None, None)].sum())
 
+    def thinned(self, channels: Collection[Channel], most_bytes: int, most_parts: int) -> Iterator[list[Message]]:
+        """See `Source`."""
+        if isinstance(self._reader, IndexedMcapReader):
+            asked = {channel.id: channel for channel in channels}
+            connections = [self._connections[i] for i in asked]
+            for part in self._reader.thinned(connections, most_bytes, most_parts):
+                yield [(asked[connection.id], time_ns, plain(raw)) for connection, time_ns, raw in part]
+
     def close(self) -> None:
         """See `Source`."""
         self._close()

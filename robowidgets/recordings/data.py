@@ -28,6 +28,7 @@ from ._sample_reader import Messages
 from .columns._clock_problems import TopicClock, about_clocks, clock_of
 from .columns._fields import Fields
 from .columns._memory import Memory
+from .columns.chunks import ScanChunk
 from .columns.scans import Scans
 from .columns.series import Series
 from .columns.speeds import Speeds
@@ -51,6 +52,9 @@ _EVENT_BYTES = 500
 
 MOST_FETCHED, MOST_READ = 64 << 20, 4 << 30
 """Bytes of a topic on a server and on a disk up to which all of it is read without a request."""
+
+THINNED_FETCHED, THINNED_READ = (64 << 20, 100), (512 << 20, 500)
+"""Bytes and parts, on a server and on a disk, that are read of a larger topic to show it in parts."""
 
 _NOTHING = "record again; did any node publish, in the same ROS domain?"
 NO_SENSOR = "none of its topics has a widget for its kind of sensor"
@@ -474,6 +478,19 @@ class RecordingData(HasTable):
         if size <= (MOST_FETCHED if self._file.is_in_parts else MOST_READ):
             return ""
         return f"its messages lie in {megabytes(size)}{' on a server' * self._file.is_in_parts}"
+
+    def thinned_scans(self, topic: str) -> list[list[ScanChunk]]:
+        """Return scans of a topic from a few parts of the file, evenly spread over its time, part by part.
+
+        Few bytes and requests are needed; see `THINNED_FETCHED` and `THINNED_READ`.
+
+        Raises:
+            UnknownTopicError: as `scans`.
+            RecordingError: the recording is closed, or a part cannot be read.
+        """
+        limits = THINNED_FETCHED if self._file.is_in_parts else THINNED_READ
+        parts = [chunks for chunks in self.scans(topic).thinned(*limits) if chunks]
+        return sorted(parts, key=lambda chunks: int(chunks[0].times_ns[0]))
 
     def transforms(self, every: int = 1, *, odometry: bool = True) -> Iterator[Transform]:
         """Return the transforms of odometry and tf, in the order of time.

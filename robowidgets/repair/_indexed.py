@@ -83,6 +83,11 @@ class IndexedSource:
         """See `Source`."""
         return 0
 
+    def thinned(self, channels: Collection[Channel], most_bytes: int, most_parts: int) -> Iterator[list[Message]]:
+        """See `Source`."""
+        del channels, most_bytes, most_parts  # single messages are read
+        return iter(())
+
     def close(self) -> None:
         """See `Source`."""
         self._close()

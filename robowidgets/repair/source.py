@@ -62,5 +62,16 @@ class Source(Protocol):
     def size_of(self, channels: Collection[Channel]) -> int:
         """Return the number of bytes to read for all messages of some channels, or 0 if it is unknown."""
 
+    def thinned(self, channels: Collection[Channel], most_bytes: int, most_parts: int) -> Iterator[list[Message]]:
+        """Yield the messages of some channels in a few parts of the file, evenly spread over its time.
+
+        Nothing is yielded without an index of parts, or if each part takes more than ``most_bytes``.
+
+        Args:
+            channels: the channels.
+            most_bytes: the maximum number of bytes to read in all.
+            most_parts: the maximum number of parts. A part of a remote file takes one request.
+        """
+
     def close(self) -> None:
         """Close the file; further calls do nothing."""

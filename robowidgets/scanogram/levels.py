@@ -20,7 +20,7 @@ FEW = 16 << 20
 """The maximum size of all levels together for which level 0 is kept, too."""
 
 COARSEST = 256
-"""The maximum number of cells of the last level."""
+"""The maximum number of cells of the last level, by default."""
 
 _BIN = 4
 """Bits by which a bin is coarser than a code when readings are counted by distance."""
@@ -41,13 +41,14 @@ class Levels:
         scans: the scans, which are read once from start to end, and again for fine levels.
         sweep: their common geometry.
         budget: the maximum size of all levels in bytes.
+        coarsest: the maximum number of cells of the last level.
 
     ``counts``: the number of rays of each class of `Validity`. ``far``: the distance of the highest code: range_max, or
     the farthest reading if codes up to range_max would be too coarse.
     """
 
-    def __init__(self, scans: ScanRanges, sweep: Sweep, budget: int = BUDGET) -> None:
-        self.scans, self.sweep = scans, sweep
+    def __init__(self, scans: ScanRanges, sweep: Sweep, budget: int = BUDGET, coarsest: int = COARSEST) -> None:
+        self.scans, self.sweep, self._coarsest = scans, sweep, coarsest
         self.far = sweep.range_max if sweep.range_max < _FAR else _farthest(scans, sweep)
         self.counts = np.zeros(1 + len(WITHOUT_READING), np.int64)
         self._readings = np.zeros(1 + (FARTHEST >> _BIN), np.int64)
@@ -91,7 +92,7 @@ class Levels:
                 first[at : at + len(cells)] = cells
                 at += len(cells)
             levels, size = [first], 1
-            while len(levels[-1]) > COARSEST:
+            while len(levels[-1]) > self._coarsest:
                 size *= 2
                 # A median of medians of two is inaccurate: fold medians from the first level.
                 levels.append(fold(levels[-1], 2) if pixel == NEAREST else folded(first, size, pixel))

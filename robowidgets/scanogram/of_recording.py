@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -23,6 +24,8 @@ from ..samples.state_span import rows_of
 from ..scanogram_widget import ScanogramWidget
 from .by_angle import keeps_indices, on_rays, rays_at
 from .levels import BUDGET
+from .page_parts import most_single
+from .scan_times import Thinned
 from .scans import ScanRanges, ScansInMemory, Sweep, cut
 
 MEMORY_BYTES = 256 << 20
@@ -107,9 +110,20 @@ def scanogram(
     topic: str | None = None,
     beside: Collection[str] | None = None,
     span: OpenSpan = (None, None),
+    parts: Sequence[Sequence[ScanChunk]] = (),
     **options: Any,
 ) -> ScanogramWidget:
-    """See `ScanogramWidget.of`; for a span of the recording."""
+    """See `ScanogramWidget.of`; for a span of the recording, or of a few parts of a large one.
+
+    Args:
+        recording: the recording.
+        topic: as there.
+        beside: as there.
+        span: the span.
+        parts: the scans of the parts, if only these are to be shown; see `RecordingData.thinned_scans`. Speeds and
+            touches that take long to read are left out, too.
+        **options: as there.
+    """
     there = wanted(recording.topics, ())
     lasers = named(there, kind_of_class(Scan).name)
     scans = recording.scans(lasers[0] if topic is None and lasers else topic).between(*span)
@@ -120,13 +134,21 @@ def scanogram(
         topics = [t for t in there if t.widget == kind_of_class(sample).name]
         every = (scans.topic, *lasers)
         return [
-            t for t in topics if shared_depth(t.name, scans.topic) == max(shared_depth(t.name, name) for name in every)
+            t
+            for t in topics
+            if shared_depth(t.name, scans.topic) == max(shared_depth(t.name, name) for name in every)
+            and not (parts and recording.why_long(t.name))
         ]
 
     widget = ScanogramWidget(**options)
     take_the_place(widget)
     with widget.hold_sync():
-        _put_scans(widget, recording, scans, span)
+        if parts:
+            _put_parts(widget, recording, scans.topic, parts)
+        else:
+            _put_scans(widget, recording, scans, span)
+        if not widget.title:
+            widget.title = scans.topic
         _put_speeds(widget, recording, of_the_robot(Speed), span)
         _put_touches(widget, recording, [t.name for t in of_the_robot(Touch)], span)
         widget.states = rows_of(recording.states)
@@ -136,12 +158,7 @@ def scanogram(
 def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSeries, span: OpenSpan) -> None:
     most = min(MEMORY_BYTES, recording.memory)
     loaded = _loaded(scans, most)
-    counts = {rays: count for rays, count in scans.ray_counts.items() if rays}
-    if not counts:
-        raise RecordingError(f"{recording.path.name}: topic {scans.topic!r} has no scan with rays")
-    usual = max(counts, key=lambda rays: counts[rays])
-    # As many rays as the finest scan, so that no scan is left out: on some scanners the number varies.
-    rays = max(count for count in counts if count <= _FINER * usual)
+    rays = _finest(scans.ray_counts, f"{recording.path.name}: topic {scans.topic!r}")
     if 4 * rays * len(scans) > most:
         loaded = None
     file = None
@@ -171,8 +188,73 @@ def _put_scans(widget: ScanogramWidget, recording: RecordingData, scans: ScanSer
         budget=min(BUDGET, recording.memory // 4),
         file=file,
     )
-    if not widget.title:
-        widget.title = scans.topic
+
+
+def _put_parts(
+    widget: ScanogramWidget, recording: RecordingData, topic: str, parts: Sequence[Sequence[ScanChunk]]
+) -> None:
+    """Show the first scans of each part, as many as the picture has cells for; of too many parts, every few."""
+    budget = min(BUDGET, recording.memory // 4)
+    most = max([1, *(len(chunk.like) for part in parts for chunk in part)])
+    room = max(1, min(most_single(most), budget // (4 * most)))
+    shown: list[list[ScanChunk]] = []
+    for part in parts[:: -(-len(parts) // room)]:
+        # Chunks of some writers overlap.
+        if not shown or part[0].times_ns[0] > shown[-1][-1].times_ns[-1]:
+            shown.append(_firsts(part, max(1, room // len(parts))))
+    chunks = [chunk for part in shown for chunk in part]
+    likes = [(chunk.like, len(chunk)) for chunk in chunks]
+    counts: Counter[int] = Counter()
+    for like, scans in likes:
+        counts[len(like)] += scans
+    rays = _finest(counts, f"{recording.path.name}: topic {topic!r}")
+    first = next(like for like, _ in likes if len(like) == rays)
+    mapper = RayMapper(Sweep.of(first))
+    by_angle = not all(mapper.keeps_indices(like) for like, _ in likes)
+    count = sum(one.count for one in recording.topics if one.name == topic)
+    lasts = np.cumsum([sum(map(len, part)) for part in shown]) - 1
+    widget.show_scans(
+        ScansInMemory(
+            np.concatenate([chunk.times_ns for chunk in chunks]),
+            [ranges for chunk in chunks for ranges in mapper(chunk)],
+        ),
+        mapper.sweep._replace(by_angle=by_angle),
+        recording.start_ns or 0,
+        duration=recording.duration,
+        notes=[*_about(likes, mapper, by_angle), *map(str, first.header_problems)],
+        budget=budget,
+        thinned=Thinned(lasts, recording.duration / max(1, count), count),
+    )
+
+
+def _firsts(chunks: Sequence[ScanChunk], count: int) -> list[ScanChunk]:
+    """Return the first scans of some chunks."""
+    found = []
+    for chunk in chunks:
+        found.append(chunk.part(slice(count), 0))
+        count -= len(found[-1])
+        if count == 0:
+            break
+    return found
+
+
+def _finest(counts: Mapping[int, int], topic: str) -> int:
+    """Return the number of rays of the finest scan, so that no scan is left out: on some scanners the number varies.
+
+    Scans with many more rays than usual do not count.
+
+    Args:
+        counts: the number of scans for each number of rays.
+        topic: the topic, for messages.
+
+    Raises:
+        RecordingError: no scan has a ray.
+    """
+    with_rays = {rays: count for rays, count in counts.items() if rays}
+    if not with_rays:
+        raise RecordingError(f"{topic} has no scan with rays")
+    usual = max(with_rays, key=lambda rays: with_rays[rays])
+    return max(rays for rays in with_rays if rays <= _FINER * usual)
 
 
 def _about(likes: list[tuple[Scan, int]], mapper: RayMapper, by_angle: bool) -> Iterator[str]:

@@ -37,8 +37,10 @@ def whole_drive(
     beside: Collection[str],
     wanted: bool | None,
     span: OpenSpan = (None, None),
+    *,
+    may_thin: bool = False,
 ) -> tuple[ScanogramWidget | None, str]:
-    """Return the scanogram of a topic, or None and a line with the reason.
+    """Return the scanogram of a topic, or None, and a line with the reason if it is not whole.
 
     Args:
         recording: the recording.
@@ -46,6 +48,7 @@ def whole_drive(
         beside: topics whose speed and touches may be shown under the scans.
         wanted: True to make it, or None to make it only if that is quick.
         span: the span of the recording.
+        may_thin: True to show parts of the whole drive if reading all scans takes too many bytes.
 
     Raises:
         RecordingError: ``wanted`` is True, and the topic contains no scan with rays.
@@ -54,13 +57,34 @@ def whole_drive(
         return None, ""
     reason = _too_long(recording, topic, span) if wanted is None else ""
     if reason:
-        return None, reason
+        thinned = _thinned(recording, topic, beside) if may_thin else None
+        return thinned or (None, reason)
     try:
         return scanogram(recording, topic, beside, span), ""
     except RecordingError:
         if wanted:
             raise
         return None, ""
+
+
+def _thinned(
+    recording: RecordingData, topic: str, beside: Collection[str]
+) -> tuple[ScanogramWidget | None, str] | None:
+    """Return the scanogram of a few parts of a large recording with a line, or None if it has no index of parts."""
+    why = recording.why_long(topic)
+    if not why:
+        return None
+    try:
+        parts = recording.thinned_scans(topic)
+        if not parts:
+            return None
+        widget = scanogram(recording, topic, beside, parts=parts)
+    except RecordingError as error:
+        return None, f"no scanogram: {error}"
+    return (
+        widget,
+        f"the scanogram shows {widget.scans_shown}, evenly spread: {why}; recording.show(scanogram=True) reads all",
+    )
 
 
 def is_planar(recording: RecordingData, topics: Iterable[str]) -> bool:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .levels import NEAREST, Levels, folded
+from .levels import FEW, NEAREST, Levels, folded
 from .scan_times import ScanTimes
 
 OVERVIEW_BYTES = 1_000_000
@@ -48,6 +48,12 @@ class Part(NamedTuple):
         return pack({**facts, **own}, starts=self.starts, ends=self.ends, cells=self.cells, **arrays)
 
 
+def most_single(rays: int) -> int:
+    """Return the number of scans of so many rays up to which the overview has a cell for each, at level 0."""
+    in_overview = OVERVIEW_BYTES // (2 * -(-rays // _ray_step(rays))) - 2
+    return max(1, min(in_overview, FEW // (4 * rays)))
+
+
 def overview(levels: Levels, clock: ScanTimes, pixel: str = NEAREST) -> Part:
     """Return the whole scanogram, as finely as `OVERVIEW_BYTES` allow."""
     return _part(levels, clock, pixel, 0, len(clock), 0, OVERVIEW_BYTES)
@@ -56,7 +62,7 @@ def overview(levels: Levels, clock: ScanTimes, pixel: str = NEAREST) -> Part:
 def detail(levels: Levels, clock: ScanTimes, start: float, end: float, columns: int, pixel: str = NEAREST) -> Part:
     """Return the part between two times in seconds with a margin, in ``columns`` cells or more if possible."""
     first, stop = clock.between(start, end)
-    wanted = max(0, ((stop - first) // max(1, min(columns, MOST_COLUMNS))).bit_length() - 1)
+    wanted = min(levels.last, max(0, ((stop - first) // max(1, min(columns, MOST_COLUMNS))).bit_length() - 1))
     margin = _MARGIN * (end - start)
     wide = _part(levels, clock, pixel, *clock.between(start - margin, end + margin), wanted, DETAIL_BYTES)
     return wide if wide.level == wanted else _part(levels, clock, pixel, first, stop, wanted, DETAIL_BYTES)
@@ -75,7 +81,7 @@ def pack(facts: Mapping[str, Any], **arrays: NDArray[Any]) -> bytes:
 
 def _part(levels: Levels, clock: ScanTimes, pixel: str, first: int, stop: int, level: int, most: int) -> Part:
     """Return the scans ``first`` to ``stop - 1``, at the level or the first coarser one that fits in ``most`` bytes."""
-    ray_step = max(1, -(-levels.sweep.ray_count // MOST_RAYS))
+    ray_step = _ray_step(levels.sweep.ray_count)
     rays = -(-levels.sweep.ray_count // ray_step)
     while level < levels.last and 2 * rays * (((stop - first) >> level) + 2) > most:
         level += 1
@@ -86,3 +92,8 @@ def _part(levels: Levels, clock: ScanTimes, pixel: str, first: int, stop: int, l
         return Part(level, start << level, ray_step, starts, ends, levels.scans.read(first, stop))
     cells = folded(levels.codes(level, start, end, pixel), ray_step, pixel, axis=1)
     return Part(level, start << level, ray_step, starts, ends, cells)
+
+
+def _ray_step(rays: int) -> int:
+    """Return the number of rays that share a row."""
+    return max(1, -(-rays // MOST_RAYS))

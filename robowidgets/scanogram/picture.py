@@ -8,7 +8,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from .levels import Levels
-from .scan_times import ScanTimes
+from .scan_times import ScanTimes, Thinned
 from .strips import SpeedStrip, TouchStrip
 
 
@@ -23,6 +23,7 @@ class Picture:
     begin: float = 0.0
     speed: SpeedStrip | None = None
     touch: TouchStrip | None = None
+    thinned: Thinned | None = None
 
     def facts(self) -> dict[str, Any]:
         """Return the plain values that the page needs for the cells and the strips."""
@@ -37,6 +38,8 @@ class Picture:
             "class_counts": levels.counts.tolist(),
             "colors": levels.color_range,
         }
+        if self.thinned:
+            facts["drive_scans"] = self.thinned.of
         if speed:
             facts["speed"] = {
                 "title": speed.title, "axes": speed.axes, "limits": speed.limits, "gap": speed.clock.gap

@@ -138,7 +138,7 @@ def _scanogram(
     # Open at the end of the recording, so that its last sample is included.
     ends = (span[0], None if span[1] == recording.duration else span[1])
     beside = [name for choice in choices if not choice.takes_messages for name in choice.topics]
-    picture, _ = whole_drive(recording, scanned, beside, True if own else wanted, ends)
+    picture, _ = whole_drive(recording, scanned, beside, True if own and not own.is_thinned else wanted, ends)
     if picture and own:
         for name in ("title", "header", "footer", "color_range", "selection"):
             setattr(picture, name, getattr(own, name))
@@ -168,9 +168,10 @@ def _models(
         [one for one in named if one[0] <= span[1] and one[1] >= span[0]] for named in (bar.marks, bar.labels)
     )
     time = time if span[0] <= time <= span[1] else span[0]
+    has_read_speeds = player.scanogram is not None and not player.scanogram.is_thinned
     for view in player.views:
         changed: dict[str, Any] = {"_frame": b"", "_about": {}, "_source": {}, "_silence": 0.0}
-        if picture and not player.scanogram and isinstance(view.widget, SpeedWidget):
+        if picture and not has_read_speeds and isinstance(view.widget, SpeedWidget):
             changed["planar"] = view.widget.planar or is_planar(recording, view.choice.topics)
         if view.widget.has_trait("time"):
             changed["time"] = time

@@ -97,7 +97,8 @@ class Player(ScreenWidget):
         topics: names of topics in it, or of fields, ``"/odom.twist.twist.linear.x"``. Without names, all topics with a
             widget and a message; without such topics, a few general widgets.
         scanogram: True to show a scanogram of the first topic with scans above the widgets, or None to show it if it
-            takes a few seconds at most, and otherwise a line with the reason.
+            takes a few seconds at most, and otherwise a line with the reason; of a drive of too many bytes, a few parts
+            of the file are shown.
         rerun: True to show the Rerun viewer next to the widgets, at the same time.
         lines: a function or a program whose lines are shown, or the result of `Recording.find` with a function; None
             for the programs whose text is in the recording.
@@ -148,7 +149,7 @@ class Player(ScreenWidget):
         moves = recording.duration and self.views
         scanned = next((choice.topic for choice in shown if choice.kind.name == LASER.name), "") if moves else ""
         beside = [name for choice in shown if not choice.takes_messages for name in choice.topics]
-        self.scanogram, note = whole_drive(recording, scanned, beside, scanogram)
+        self.scanogram, note = whole_drive(recording, scanned, beside, scanogram, may_thin=True)
         self._show_used_axes(self.views)
         self.bar = self._make_bar(note)
         self._lines = PlayerLines(recording, self.bar, lines)
@@ -453,7 +454,7 @@ class Player(ScreenWidget):
         return new
 
     def _show_used_axes(self, views: Iterable[PlayerView]) -> None:
-        if self.scanogram:  # making it has read the measured speeds
+        if self.scanogram and not self.scanogram.is_thinned:  # making it has read the measured speeds
             for view in views:
                 if isinstance(view.widget, SpeedWidget):
                     view.widget.planar = is_planar(self.recording, view.choice.topics)

@@ -5,10 +5,19 @@ import * as data from "../../robowidgets/js/scanogram/data.ts";
 import { angleLabels, drawTimes } from "../../robowidgets/js/scanogram/draw_axes.ts";
 import { layOut } from "../../robowidgets/js/scanogram/layout.ts";
 import { toRaster } from "../../robowidgets/js/scanogram/paint.ts";
+import { pointAt } from "../../robowidgets/js/scanogram/point.ts";
 import { angleTicks, selectedRays, toRows } from "../../robowidgets/js/scanogram/rows.ts";
 import { runs } from "../../robowidgets/js/scanogram/scene.ts";
 import { State } from "../../robowidgets/js/scanogram/state.ts";
-import { describeMark, describePlace, describeSelection, toShare } from "../../robowidgets/js/scanogram/text.ts";
+import {
+  describeMark,
+  describePlace,
+  describeSelection,
+  describeUnread,
+  toFacts,
+  toShare,
+} from "../../robowidgets/js/scanogram/text.ts";
+import { toCount } from "../../robowidgets/js/shared/format.ts";
 import type { Theme } from "../../robowidgets/js/shared/theme.ts";
 import { toTime, toX } from "../../robowidgets/js/shared/time_axis.ts";
 import { moved, timeTicks, zoomed } from "../../robowidgets/js/shared/time_span.ts";
@@ -115,6 +124,62 @@ test("a ray is the nearest of several scans until the scans are known", () => {
   assert.match(describePlace(near as never, 0, SWEEP).details, /32\.50 s {2}scan 325/);
   assert.match(describePlace(far as never, 0, SWEEP, "median").details, /median of 8 scans/);
   assert.equal(blocks.at(80.5, 6), null, "after the last scan there is no place");
+});
+
+/** Two parts of a drive of 1000 scans: three scans from 10 s on, and three from 50 s on, 5 m away. */
+function parts() {
+  const facts = {
+    ...{ angle_min: -1, angle_increment: 0.1, range_min: 0.1, range_max: 10, far: 10, by_angle: false, ray_count: 21 },
+    ...{ edition: 1, scan_count: 6, drive_scans: 1000, begin: 0, duration: 100, pause: 0.1, pixel: "nearest" },
+    ...{ class_counts: [126, 0, 0, 0, 0], colors: [0.5, 5], level: 0, first: 0, ray_step: 1 },
+  };
+  const starts = Float64Array.from([10, 10.1, 10.2, 50, 50.1, 50.2]);
+  const ranges = new Float32Array(6 * 21).fill(5);
+  const whole = data.decodeWhole(pack(facts, { starts, ends: starts.map((start) => start + 0.1), cells: ranges }));
+  return { whole, blocks: new Blocks(whole) };
+}
+
+test("between the parts of a drive no number is shown, and the pop-up says that no scan was read", () => {
+  const { whole, blocks } = parts();
+  const found = blocks.at(10.15, 6);
+  assert.deepEqual([found?.time, found?.scan, found?.range], [10.1, null, 5]);
+  assert.equal(describePlace(found as never, 0, SWEEP).details.includes("scan "), false, "its number is unknown");
+  assert.equal(blocks.at(30, 6), null);
+  assert.equal(blocks.at(10.31, 6), null);
+  assert.equal(describeUnread(30).distance, "not read");
+  assert.match(describeUnread(30).details, /30\.00 s\nno scan/);
+  assert.deepEqual(toFacts(whole).slice(0, 2), [`6 of ${toCount(1000)} scans`, "21 rays"]);
+  assert.match(describeSelection([0, 20], blocks.count([0, 20]), true), /3 scans read$/);
+});
+
+test("pointing between the parts of a drive shows no number of a part", () => {
+  const { whole, blocks } = parts();
+  const rows = toRows(whole.sweep);
+  const axis = { span: [0, 100], left: 0, width: 200 };
+  const band = { top: 0, height: 21 };
+  const layout = { left: 0, width: 200, scans: band, speeds: [], touch: null, states: [] };
+  const scene = { layout, axis, rows, toRow: () => 6, toY: () => 14 } as never;
+  const at = (time: number) => pointAt({ x: 2 * time, y: 14 }, scene, { whole, blocks } as never);
+  assert.deepEqual([at(10.15)?.words.distance, at(10.15)?.row], ["5.00 m", 6]);
+  assert.match(at(9.8)?.words.details ?? "", /10\.00 s/, "the scan of this pixel, with its own time");
+  assert.deepEqual([at(30)?.words.distance, at(30)?.row], ["not read", null]);
+  const all = { whole: known().whole, blocks: known().blocks } as never;
+  assert.equal(pointAt({ x: 190, y: 14 }, scene, all), null, "a whole drive has no pop-up after its last scan");
+});
+
+test("a scan narrower than its pixel is found within the pixel, with its own time, and none farther away", () => {
+  const { blocks } = parts();
+  assert.equal(blocks.near(9.8, 6, 0.25)?.time, 10);
+  assert.equal(blocks.near(10.5, 6, 0.25)?.time, 10.2);
+  assert.equal(blocks.near(49.9, 6, 0.25)?.time, 50);
+  for (const time of [9.7, 10.6, 30, 49.7]) assert.equal(blocks.near(time, 6, 0.25), null);
+});
+
+test("only the columns of the parts have colors", () => {
+  const { whole, blocks } = parts();
+  const { codes, width } = toRaster(blocks.all, toRows(whole.sweep), [0, 100], 100, 1);
+  const colored = Array.from({ length: width }, (_, x) => x).filter((x) => codes[x] !== data.NO_SCAN);
+  assert.deepEqual(colored, [10, 50]);
 });
 
 test("details of other scans than the ones on show are left out", () => {

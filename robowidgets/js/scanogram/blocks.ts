@@ -11,8 +11,11 @@ export interface Place {
   /** Number of scans and of rays that share this value. */
   scans: number;
   rays: number;
-  /** Number of the first of these scans, and its time in seconds; when the last one ends. */
-  scan: number;
+  /**
+   * Number of the first of these scans, null if the picture has only some scans of the drive; its time in seconds; when
+   * the last one ends.
+   */
+  scan: number | null;
   time: number;
   end: number;
   code: number;
@@ -86,7 +89,7 @@ export class Blocks {
         index: ray * block.rayStep,
         scans: Math.min(block.size, this.#whole.scanCount - scan),
         rays: Math.min(block.rayStep, sweep.count - ray * block.rayStep),
-        scan,
+        scan: this.#whole.driveScans === undefined ? scan : null,
         time: block.startsAt[cell] as number,
         end: block.endsAt[cell] as number,
         code,
@@ -99,6 +102,20 @@ export class Blocks {
       };
     }
     return null;
+  }
+
+  /**
+   * The ray of an index in the scan nearest to a time, not farther away than a tolerance. In a picture of parts a scan is
+   * narrower than the pixel that shows it, so the pointer is never exactly on it.
+   */
+  near(time: number, index: number, tolerance: number): Place | null {
+    const { startsAt, endsAt } = this.#whole.block;
+    const next = firstWhere(startsAt, (start) => start > time);
+    const after = startsAt[next] ?? Infinity;
+    const before = startsAt[next - 1] ?? -Infinity;
+    const since = time - (endsAt[next - 1] ?? -Infinity);
+    if (Math.min(since, after - time) > tolerance) return null;
+    return this.at(since <= after - time ? before : after, index);
   }
 
   /** The start of the scan a number of steps from a time, if the page has single scans there. */

@@ -45,6 +45,8 @@ export interface Whole {
   edition: number;
   sweep: Sweep;
   scanCount: number;
+  /** The number of scans of the drive if the picture has only some of them, evenly spread. */
+  driveScans?: number;
   /** Start and end of the picture. */
   span: [number, number];
   /** Usual seconds from scan to scan. */
@@ -114,6 +116,7 @@ export interface Facts {
   far: number;
   by_angle: boolean;
   scan_count: number;
+  drive_scans: number | undefined;
   begin: number;
   duration: number;
   pause: number;
@@ -134,6 +137,7 @@ export function decodeWhole(bytes: DataView): Whole {
     edition: facts.edition,
     sweep,
     scanCount: facts.scan_count,
+    ...(facts.drive_scans === undefined ? {} : { driveScans: facts.drive_scans }),
     span: [facts.begin, facts.duration],
     pause: facts.pause,
     counts: facts.class_counts,

@@ -7,7 +7,7 @@ import type { NamedSpan, Whole } from "./data.ts";
 import type { Band } from "./layout.ts";
 import type { Pointed, Scene } from "./scene.ts";
 import type { State } from "./state.ts";
-import { describeMark, describePlace, describeSpeed, describeState, describeTouches } from "./text.ts";
+import { describeMark, describePlace, describeSpeed, describeState, describeTouches, describeUnread } from "./text.ts";
 
 /** The thing under the pointer, its place, and the text of its pop-up; null if there is none. */
 export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { y: number; words: PopupWords }) | null {
@@ -15,17 +15,20 @@ export function pointAt(point: Point, scene: Scene, state: State): (Pointed & { 
   const { left, width, scans, speeds, touch, states } = scene.layout;
   if (!whole || !blocks || point.x < left || point.x >= left + width) return null;
   const time = toTime(scene.axis, point.x);
+  const perPixel = (scene.axis.span[1] - scene.axis.span[0]) / width;
   const isIn = ({ top, height }: Band) => point.y >= top && point.y < top + height;
   if (isIn(scans)) {
     const row = scene.toRow(point.y);
-    const place = blocks.at(time, scene.rows.rayOf[row] ?? 0);
+    const ray = scene.rows.rayOf[row] ?? 0;
     const angle = scene.rows.angles[row] ?? 0;
+    const isThinned = whole.driveScans !== undefined;
+    const place = blocks.at(time, ray) ?? (isThinned ? blocks.near(time, ray, perPixel / 2) : null);
+    if (!place && isThinned) return { time, row: null, y: point.y, words: describeUnread(time) };
     return place && { time, row, y: scene.toY(row), words: describePlace(place, angle, whole.sweep, whole.pixel) };
   }
   const axis = speeds.findIndex(isIn);
   const beside = (words: PopupWords | null | undefined, y = point.y) => (words ? { time, row: null, y, words } : null);
   if (axis >= 0) return beside(speedAt(whole, state, axis, time));
-  const perPixel = (scene.axis.span[1] - scene.axis.span[0]) / width;
   if (touch && isIn(touch)) {
     return beside(whole.touch && describeTouches(near(whole.touch.spans, time, perPixel), whole.touch.title, time));
   }

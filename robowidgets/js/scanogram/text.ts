@@ -30,7 +30,13 @@ export function describePlace(place: Place, angle: number, sweep: Sweep, pixel: 
 }
 
 function toMoment({ scan, scans, time }: Place): string {
-  return scans === 1 ? `${toSeconds(time)}  scan ${toCount(scan)}` : `from ${toSeconds(time)}`;
+  if (scans > 1) return `from ${toSeconds(time)}`;
+  return scan === null ? toSeconds(time) : `${toSeconds(time)}  scan ${toCount(scan)}`;
+}
+
+/** The texts of the pop-up of a moment between the parts of the drive that were read. */
+export function describeUnread(time: number): PopupWords {
+  return { expression: "", distance: "not read", details: `${toSeconds(time)}\nno scan here was read yet` };
 }
 
 /**
@@ -54,10 +60,14 @@ export function toShare(count: number, all: number): string {
 }
 
 /** "selection 38.00 – 52.50 s · 73 scans" without the first word. */
-export function describeSelection(selection: number[], scans: { scans: number; exact: boolean }): string {
+export function describeSelection(
+  selection: number[],
+  scans: { scans: number; exact: boolean },
+  isThinned = false,
+): string {
   const [start = 0, end = 0, first, stop] = selection;
   const rays = first === undefined || stop === undefined ? "" : ` · [${first}] to [${stop - 1}]`;
-  return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}${rays} · ${scans.exact ? "" : "about "}${toMany(scans.scans, "scan")}`;
+  return `${toFixed(start, 2)} \u2013 ${toSeconds(end)}${rays} · ${scans.exact ? "" : "about "}${toMany(scans.scans, "scan")}${isThinned ? " read" : ""}`;
 }
 
 /** The texts of the pop-up of one axis of the speed at a moment. */
@@ -94,6 +104,11 @@ function toWords({ start, end }: NamedSpan): string {
 }
 
 /** Facts about the whole recording for the header. */
-export function toFacts({ scanCount, sweep, span }: Whole): string[] {
-  return [toMany(scanCount, "scan"), toMany(sweep.count, "ray"), toSeconds(span[1] - span[0], 1)];
+export function toFacts({ scanCount, driveScans, sweep, span }: Whole): string[] {
+  const scans = driveScans === undefined ? "" : `${toCount(scanCount)} of `;
+  return [
+    `${scans}${toMany(driveScans ?? scanCount, "scan")}`,
+    toMany(sweep.count, "ray"),
+    toSeconds(span[1] - span[0], 1),
+  ];
 }

@@ -188,13 +188,16 @@ export class ScanogramView {
   }
 
   #drawTop(): void {
-    const { time, selection, blocks } = this.#state;
+    const { time, selection, blocks, whole } = this.#state;
     const shown = this.#draft ?? selection;
     const { ray } = this.#state;
     const pointed = this.#drawPopup() ?? (ray === null ? null : { time, row: this.#scene.rows.rowOf[ray] ?? null });
     this.#scene.drawTop(time, shown, pointed, this.#card.theme);
     const scans = blocks?.count((shown ?? [0, 0]) as Span) ?? { scans: 0, exact: true };
-    this.#legend.drawState(toSeconds(time), shown ? describeSelection(shown, scans) : "");
+    this.#legend.drawState(
+      toSeconds(time),
+      shown ? describeSelection(shown, scans, whole?.driveScans !== undefined) : "",
+    );
   }
 
   /** Draws the pop-up of the thing under the pointer; returns the moment there, and the row. */

@@ -145,6 +145,13 @@ class Store:
             whole = np.array_equal(own, np.arange(place.rows))
             yield replace(chunk, start=first) if whole else chunk.part(own, first)
 
+    def thinned(self, most_bytes: int, most_parts: int) -> Iterator[list[Any]]:
+        """Yield the chunks of a few parts of the file, part by part; see `Source.thinned`."""
+        with Progress(None, f"Reading parts of {self.topic}", " parts") as bar:
+            for messages in self.source.thinned(self.channels, most_bytes, most_parts):
+                yield self._decode(messages)
+                bar.update(1)
+
     def sample(self, row: int) -> Any:
         """Return the sample in one row."""
         index = self._indexed()

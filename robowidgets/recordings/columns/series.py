@@ -64,6 +64,20 @@ class Series(Columns, Generic[Taken]):
         """
         return self._store.chunks(self._rows)
 
+    def thinned(self, most_bytes: int, most_parts: int) -> Iterator[list[Any]]:
+        """Yield the columns of a few parts of the file, evenly spread over its time, part by part.
+
+        Nothing is yielded if the file has no index of its parts.
+
+        Args:
+            most_bytes: the maximum number of bytes to read in all.
+            most_parts: the maximum number of parts. A part of a remote file takes one request.
+
+        Raises:
+            RecordingError: a part cannot be read.
+        """
+        return self._store.thinned(most_bytes, most_parts)
+
     @property
     def stamps_ns(self) -> NDArray[np.int64]:
         """The stamps of the messages in nanoseconds, shape (N,); 0 for messages without one."""

@@ -118,18 +118,46 @@ def test_readers_of_one_file_share_its_parts(server: RangeServer) -> None:
         assert [request for request in server.requests if request.startswith("GET")] == before
 
 
+@pytest.mark.parametrize(("most", "parts"), [((8 << 20, 5), 5), ((4 << 20, 100), 4), ((100, 100), 0)])
+def test_parts_of_a_drive_take_a_request_each_and_no_more_bytes_than_allowed(
+    server: RangeServer, monkeypatch: pytest.MonkeyPatch, most: tuple[int, int], parts: int
+) -> None:
+    monkeypatch.setattr("robowidgets.recordings.data.THINNED_FETCHED", most)
+    with robowidgets.open(server.url) as recording:
+        recording.at("/scan", 0.0)  # reads the mount of the scanner
+        requests, sent = len(server.requests), server.sent
+        found = recording.thinned_scans("/scan")
+        assert (len(found), len(server.requests) - requests) == (parts, parts)
+        assert server.sent - sent <= most[0]
+        assert all(sum(map(len, chunks)) == 10 for chunks in found)
+
+
+def test_a_server_that_fails_while_parts_are_read_is_named_and_the_player_is_shown(
+    server: RangeServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robowidgets.recordings.data.MOST_FETCHED", 10 << 20)
+    with robowidgets.open(server.url) as recording:
+        recording.at("/scan", 0.0)
+        server.refusals += [403]
+        with closing(recording.show("/scan")) as player:
+            assert player.scanogram is None
+            assert player.bar._note.startswith("no scanogram: http://127.0.0.1")
+
+
 @pytest.mark.slow
-def test_a_player_of_a_long_drive_reads_what_it_shows_and_makes_a_scanogram_on_request(tmp_path: Path) -> None:
+def test_a_player_of_a_long_drive_reads_what_it_shows_and_makes_a_scanogram_of_parts(tmp_path: Path) -> None:
     path = long_drive.write(tmp_path / "long.mcap", 200, image=IMAGE)
     with serving(path) as server, robowidgets.open(server.url) as recording:
         before = server.sent
         with closing(recording.show("/scan", "/speed")) as player:
-            assert player.scanogram is None
+            assert player.scanogram is not None
             assert player.bar._note == (
-                "no scanogram: its messages lie in 180.3 MB on a server; recording.show(scanogram=True) reads them"
+                "the scanogram shows 740 of 2,000 scans, evenly spread: its messages lie in 180.3 MB on a server; "
+                "recording.show(scanogram=True) reads all"
             )
             player.seek(100.0)
-            assert server.sent - before < 0.4 * path.stat().st_size
+            player.scanogram._wanted = [50.0, 60.0, 500.0]
+            assert server.sent - before < (64 << 20) + 0.4 * path.stat().st_size
 
 
 def test_a_lost_connection_and_a_busy_server_are_asked_again(server: RangeServer, drive: Path, pauses: Pauses) -> None:

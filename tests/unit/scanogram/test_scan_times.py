@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robowidgets.scanogram.scan_times import ScanTimes
+from robowidgets.scanogram.scan_times import ScanTimes, Thinned
 
 SECOND = 1_000_000_000
 
@@ -15,6 +15,15 @@ def test_a_scan_lasts_until_the_next_but_not_over_a_gap() -> None:
     even = clock(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 20, 21)
     assert even.ends.tolist() == [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 21, 22]
     assert even.notes == ()
+
+
+def test_the_last_scan_of_a_part_lasts_as_long_as_others_however_near_the_next_part_is() -> None:
+    times = (np.array([0, 1, 2, 4, 5, 6]) * SECOND).astype(np.int64)
+    thinned = Thinned(np.array([2, 5]), 0.5, 100)
+    assert ScanTimes(times, 0).ends.tolist() == [1, 2, 4, 5, 6, 7]
+    assert ScanTimes(times, 0, thinned).ends.tolist() == [1, 2, 3, 5, 6, 7]
+    alone = ScanTimes(times[::3], 0, Thinned(np.array([0, 1]), 0.5, 100))
+    assert (alone.ends.tolist(), alone.pause, alone.notes) == ([0.5, 4.5], 0.5, ())
 
 
 def test_between_two_times_are_all_scans_on_show() -> None:
