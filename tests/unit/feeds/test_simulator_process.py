@@ -96,7 +96,9 @@ def test_a_guard_in_its_process_stops_it_while_a_call_holds_the_interpreter() ->
         before, place = robot.time, robot.pose.x
         hold_the_interpreter()
         wait_for(lambda: robot.time > before + 1.5, "its time has gone on meanwhile")
-        wait_for(lambda: "the guard stopped the robot meanwhile" in feed.drive_status, "it is reported")
+        # On a busy computer the guard may stand still, too.
+        reports = "the guard stopped the robot meanwhile", "the guard stood still"
+        wait_for(lambda: any(one in feed.drive_status for one in reports), "it is reported")
         wait_for(lambda: robot.command().linear[0] == 0.0, "it stands")
         assert robot.pose.x - place < 0.3 * (robot.time - before) / 2
 
