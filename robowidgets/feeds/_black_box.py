@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..behaviors.program import FAILED
 from ..messages.event import SEVERE_TYPES, EventReader
 from ..notebook.cells import take_the_place
+from ..recordings.ring import saved_files
 from ..recordings.ring_writer import RingLimits, RingWriter
 from ..runtime.text import many
 from ..samples.checks import finite
@@ -68,10 +69,11 @@ class BlackBox(FeedTap):
         self._is_stopped = connection.watchdog.stopped
         self._is_lost = bool(connection.status)
         self._failed = ""
+        self._is_ready = False
+        """True while the screen shows its state: not before it is complete."""
         writer = RingWriter(folder, limits, self, connection.clock)
         super().__init__(connection, writer, topics)
         self._triggers: list[_Trigger] = []
-        take_the_place(self)
         try:
             self._begin()
             connection.observe(self._on_connection)
@@ -81,12 +83,14 @@ class BlackBox(FeedTap):
         except BaseException:
             self.close()
             raise
+        take_the_place(self)  # a wrong call leaves the earlier one as it is
+        self._is_ready = True
         self.on_change()
 
     @property
     def files(self) -> tuple[Path, ...]:
         """The files of black boxes in the folder, oldest first."""
-        return tuple(self._writer.files)
+        return tuple(saved_files(self.folder))
 
     @property
     def watched(self) -> tuple[Watch, ...]:
@@ -119,21 +123,19 @@ class BlackBox(FeedTap):
         self._writer.add_cause(text)
 
     def close(self) -> None:
-        """Keep nothing more, and write the file that is due. Calling it again only waits until that is done.
+        """Keep nothing more, and write the file that is due. Calling it again completes what an interrupt cut short.
 
         It waits for the disk for at most two seconds.
         """
-        with self._lock:
-            was_closed, self._closed = self._closed, True
-        if was_closed:
-            self._writer.close()
-            return
+        self._closed = True
         self._connection.unobserve(self._on_connection)
         self._connection.watchdog.unobserve(self._on_stop)
         for trigger in self._triggers:
             trigger.end("the black box is closed")
+        if self._is_ready:
+            self._connection.show_black_box("")
+            self._is_ready = False
         self._leave()
-        self._connection.show_black_box("")
 
     def __enter__(self) -> BlackBox:
         return self
@@ -158,7 +160,7 @@ class BlackBox(FeedTap):
 
     def on_change(self) -> None:
         """See `Finder`: show the files and the troubles."""
-        if not self._closed:
+        if self._is_ready and not self._closed:
             troubles = tuple(f"black box: {line}" for line in self._writer.trouble)
             self._connection.show_black_box(self._line, troubles)
 
@@ -174,7 +176,7 @@ class BlackBox(FeedTap):
             self._events_of[topic.name] = is_touch
             return True
         if self._names:
-            return topic.name in self._names
+            return topic.name in self._names or topic.commanded or topic.type == _TF
         on_screen = self._on_screen
         is_chosen = topic.name in on_screen if on_screen else is_shown(topic)
         return is_chosen or topic.commanded or topic.type == _TF

@@ -332,10 +332,11 @@ class Feed:
 
         self.connection.check_open(*topics)
         limits, named = limits_of(seconds, after, files, megabytes), named_conditions(when)
-        path = folder_of(folder)
-        if self._black_box is not None:
-            self._black_box.close()
-        self._black_box = BlackBox(self.connection, topics, named, path, limits)
+        earlier = self._black_box
+        self._black_box = BlackBox(self.connection, topics, named, folder_of(folder), limits)
+        if earlier is not None:
+            earlier.close()
+            self._black_box.on_change()
         return self._black_box
 
     def drive(self, linear: float = 0.0, angular: float = 0.0, *, lateral: float = 0.0) -> None:

@@ -130,8 +130,10 @@ class QueuedWriter(ABC):
     def _put_bytes(self, channel: Channel, time_ns: int, data: bytes) -> None:
         """Write an encoded message. A channel that is new has not been registered yet."""
 
-    def _write_waiting(self) -> None:
-        while self._queue:
+    def _write_waiting(self, most: int | None = None) -> None:
+        """Write the messages that wait now, or some of them. Messages that come meanwhile wait for the next turn."""
+        waiting = len(self._queue)
+        for _ in range(waiting if most is None else min(waiting, most)):
             topic = self._queue.popleft()
             self._write(topic, *self._waiting[topic].popleft())
             if self._flush_at is None:

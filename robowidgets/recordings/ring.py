@@ -123,7 +123,7 @@ def segment_name(number: int, start_ns: int) -> str:
 
 def saved_files(folder: Path) -> list[Path]:
     """Return the files that black boxes wrote into a folder, oldest first."""
-    with suppress(FileNotFoundError):
+    with suppress(OSError):  # removed, or not to be read
         return sorted(path for path in folder.iterdir() if _SAVED.fullmatch(path.name))
     return []
 

@@ -27,7 +27,6 @@ from .ring import (
     join,
     new_name,
     recover,
-    saved_files,
     segment_name,
 )
 
@@ -47,6 +46,9 @@ RETRY = 5.0
 
 RING_SHARE = 4
 """One part in this number of the megabytes is for the short files, half of them for the files of causes."""
+
+SHARE = 3
+"""The maximum number of new messages that are written for each message of a file."""
 
 MOST_CAUSES = 1000
 """The maximum number of causes that are kept, and of fixed transforms that are repeated."""
@@ -84,11 +86,15 @@ class RingLimits:
 
 @dataclass
 class _Pending:
-    """A file that is due: the clock times of its first and its last cause."""
+    """A file that is due: the clock times of its first and its last cause.
+
+    It is urgent once the short files with its first cause would soon be deleted.
+    """
 
     cause: Cause
     first: float
     last: float
+    is_urgent: bool = False
 
 
 @dataclass
@@ -115,9 +121,6 @@ class RingWriter(QueuedWriter):
         finder: finds causes in the messages.
         clock: as for `QueuedWriter`.
 
-    Attributes:
-        files: the files of black boxes in the folder, also of other kernels, oldest first.
-
     Raises:
         OSError: the folder cannot be written.
     """
@@ -126,7 +129,6 @@ class RingWriter(QueuedWriter):
         super().__init__(folder, clock)
         self._limits, self._finder = limits, finder
         self._ring = Ring(folder)
-        self.files = saved_files(folder)
         self._full, self._unsaved = "", ""
         """The reasons why nothing is kept now, and why the pending file is not written, or empty."""
         self._lost: list[str] = []
@@ -166,11 +168,36 @@ class RingWriter(QueuedWriter):
         """Write a file for a cause, or mark it in the next one. Any thread may call this."""
         self.add(CAUSES, LOG, self.now_ns(), text, can_be_dropped=False)
 
+    def close(self) -> None:
+        """See `QueuedWriter`. A writer that has not started removes its short files."""
+        super().close()
+        if self._ticket is None:
+            self._close_ring()
+
     # -- in the thread that writes -------------------------------------------------------------------------------------
 
     def _run(self) -> float | None:
         """See `QueuedWriter`."""
         is_closed = self._is_closed  # nothing is added after closing
+        try:
+            self._keep(is_closed)
+        except Exception:
+            if not is_closed:
+                raise
+            log.exception("%s: error while closing", self._path)
+        finally:
+            if is_closed:
+                self._close_ring()
+                self._end()
+        if is_closed:
+            raise Detached
+        if self._is_closed:  # in this turn, perhaps by this thread
+            return self._clock.now()
+        times = (self._flush_at, None if self._pending is None or self._full else self._due)
+        return min((at for at in times if at is not None), default=None)
+
+    def _keep(self, is_closed: bool) -> None:
+        """Write what waits, and the file that is due."""
         if not self._has_begun:
             self._has_begun = True
             self._take_left()
@@ -180,49 +207,48 @@ class RingWriter(QueuedWriter):
         if self._pending is not None and (is_closed or (not self._full and self._clock.now() >= self._due)):
             self._save()
         self._trim()
-        if is_closed:
-            self._close_ring()
-            self._end()
-            raise Detached
-        if self._is_closed:  # in this turn, perhaps by this thread
-            return self._clock.now()
-        times = (self._flush_at, None if self._pending is None or self._full else self._due)
-        return min((at for at in times if at is not None), default=None)
 
     @property
     def _due(self) -> float:
         """The time at which the pending file is written, or tried again."""
         pending = self._pending
         assert pending is not None
+        if pending.is_urgent:
+            return self._saves_from
         last = min(pending.last + self._limits.after, pending.first + max(self._limits.seconds, self._limits.after))
         return max(last, self._saved_at + BETWEEN, self._saves_from)
 
+    def _write_some(self) -> None:
+        """Write a few waiting messages between the messages of a file, which is complete soon even under overload."""
+        self._write_waiting(SHARE)
+
     def _take_left(self) -> None:
         """Write what dead kernels have left in the folder."""
-        written, self._lost = recover(self._path, self._write_waiting)
+        written, self._lost = recover(self._path, self._write_some)
         for path in written:
             log.warning("%s: written from what a kernel left that ended without closing", path)
             self._delete_oldest(path)
         for line in self._lost:
             log.error("%s: %s", self._path, line)
         if written or self._lost:
-            self._note_files()
+            self._finder.on_change()
 
     def _write(self, topic: str, topic_type: str, time_ns: int, message: Any) -> None:
         if topic == CAUSES:
-            self._note(Cause(time_ns, message))
+            self._note(time_ns, message)
             return
         try:
             super()._write(topic, topic_type, time_ns, message)
             for text in self._finder.causes_in(topic, topic_type, time_ns, message):
-                self._note(Cause(time_ns, text))
+                self._note(time_ns, text)
         except Exception as error:  # one bad message must not end the black box
             if topic not in self._unwritable:
                 self._unwritable[topic] = f"{topic} cannot be recorded: {error}"
                 log.exception("%s: %s", self._path, self._unwritable[topic])
 
-    def _note(self, cause: Cause) -> None:
+    def _note(self, time_ns: int, text: str) -> None:
         now = self._clock.now()
+        cause = Cause(time_ns, text.encode("utf-8", "replace").decode())  # half a surrogate pair cannot be written
         self._causes.append(cause)
         if self._pending is None:
             self._pending = _Pending(cause, now, now)
@@ -347,6 +373,11 @@ class RingWriter(QueuedWriter):
             is_large = not is_old and sum(one.size for one in self._segments) > most
             if not is_old and not is_large:
                 break
+            middle = self._segments[len(self._segments) // 2]
+            pending = None if self._unsaved else self._pending
+            if is_large and pending is not None and middle.ended >= pending.first:
+                pending.is_urgent = True  # half of its time is before the cause, and half after it
+                break
             is_cut_short |= is_large
             try:
                 segment.path.unlink(missing_ok=True)
@@ -370,16 +401,15 @@ class RingWriter(QueuedWriter):
             self._close_segment()
             segments = [one for one in self._segments if one.path.exists() and one.path.stat().st_size]
             first_ns = min([pending.cause.time_ns, *(one.start_ns for one in segments)])
-            causes = [one for one in self._causes if one.time_ns >= first_ns]
-            is_written = bool(segments) and join([one.path for one in segments], target, causes, self._write_waiting)
-        except OSError as error:
+            causes = dict.fromkeys([pending.cause, *(one for one in self._causes if one.time_ns >= first_ns)])
+            is_written = bool(segments) and join([one.path for one in segments], target, causes, self._write_some)
+        except Exception as error:
             if self._pending is not None:
                 pending.last = self._pending.last
             self._pending, self._saves_from = pending, self._clock.now() + RETRY
+            if not isinstance(error, (OSError, RecordingError)):
+                log.exception("black box: no file for “%s”", pending.cause.text)
             self._report(unsaved=f"the file for “{pending.cause.text}” waits: {self._why(error)}")
-            return
-        except RecordingError as error:
-            log.error("black box: no file for “%s”: %s", pending.cause.text, error)
             return
         finally:
             self._is_saving = False
@@ -388,7 +418,7 @@ class RingWriter(QueuedWriter):
         if is_written:
             log.info("%s: written for %s", target, many(len(causes), "cause"))
             self._delete_oldest(target)
-            self._note_files()
+            self._finder.on_change()
 
     def _delete_oldest(self, new: Path) -> None:
         try:
@@ -396,18 +426,14 @@ class RingWriter(QueuedWriter):
         except OSError as error:
             log.error("%s: old files cannot be deleted: %s", self._path, error.strerror or error)
 
-    def _note_files(self) -> None:
-        self.files = saved_files(self._path)
-        self._finder.on_change()
-
     def _close_ring(self) -> None:
         """Remove the short files; if a file could not be written for a cause, they stay for the next start."""
-        with suppress(OSError):
-            self._close_segment()
         try:
+            with suppress(OSError):
+                self._close_segment()
             if self._pending is None:
                 self._ring.remove()
-        except OSError as error:
-            log.error("%s: cannot be removed: %s", self._ring.path, error.strerror or error)
+        except Exception as error:
+            log.error("%s: cannot be removed: %s", self._ring.path, getattr(error, "strerror", None) or error)
         finally:
             self._ring.release()

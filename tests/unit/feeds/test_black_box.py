@@ -183,6 +183,83 @@ def test_a_trigger_that_flaps_shares_files_and_each_time_is_a_mark(tmp_path: Pat
         assert len(box.files) == 60 // ring_writer.BETWEEN, "four files a minute"
 
 
+def test_the_moment_of_a_cause_is_in_its_file_if_the_last_minute_has_too_many_bytes(
+    tmp_path: Path, clock: ManualClock
+) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=60, megabytes=1, folder=tmp_path)
+        for second in range(90):
+            if second == 40:
+                box.save("early")
+            script.listener.on_message("/scan", scan(*os.urandom(4000)))
+            clock.advance(1.0)
+        (path,) = box.files
+    with robowidgets.open(path) as recording:
+        (mark,) = recording.events(ring.CAUSES)
+        assert mark.seconds >= 2, "what was before it"
+        assert recording.duration - mark.seconds >= 2, "and after it"
+        times = [one.seconds for one in recording.scans("/scan")]
+        assert min(abs(time - mark.seconds) for time in times) <= 1
+
+
+def test_a_text_that_no_file_can_have_is_written_with_question_marks(tmp_path: Path, clock: ManualClock) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path)
+        pass_seconds(script, clock, 1)
+        box.save("half \ud83d of a smile")
+        clock.advance()
+        (path,) = box.files
+    assert words(path) == ["half ? of a smile"]
+
+
+def test_a_file_that_fails_for_any_reason_is_tried_again_and_closing_always_ends(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail(*_: Any) -> None:
+        raise ValueError("cannot be written")
+
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path)
+        pass_seconds(script, clock, 1)
+        with monkeypatch.context() as broken:
+            broken.setattr(ring_writer, "join", fail)
+            box.save("noise")
+            clock.advance()
+            assert box.problems[0].startswith("the file for “noise” waits: cannot be written")
+        clock.advance(ring_writer.RETRY)
+        assert [words(path) for path in box.files] == [["noise"]]
+        assert box.problems == ()
+        monkeypatch.setattr(ring_writer.RingWriter, "_trim", fail)
+        box.close()
+        assert not threads_named("robowidgets-recorder")
+        assert "error while closing" in caplog.text
+
+
+def test_a_file_is_written_while_messages_come_faster_than_they_are_written(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script, count = Scripted(SCAN), 0
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path)
+
+        def send_two(*_: Any) -> list[str]:
+            nonlocal count
+            for _ in range(2 if count < 4000 and not box.files else 0):
+                count += 1
+                script.listener.on_message("/scan", scan())
+            return []
+
+        monkeypatch.setattr(box, "causes_in", send_two)
+        box.save("noise")
+        script.listener.on_message("/scan", scan())
+        clock.advance()
+        assert len(box.files) == 1
+        assert count < 100
+
+
 def test_what_still_holds_is_in_each_file_once(tmp_path: Path, clock: ManualClock) -> None:
     script = Scripted(SCAN, TF_STATIC)
     pose = {"translation": {"x": 0.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
@@ -346,9 +423,18 @@ def test_it_keeps_what_the_screen_shows_and_the_screen_shows_that_it_runs(tmp_pa
         pass_seconds(script, clock, 2)
         assert script.followed == {"/scan", "/cmd_vel"}
         view.close()
+        with pytest.raises(TypeError, match="condition: expected a function of one moment"):
+            feed.black_box("/imu", when={"x": 3}, folder=tmp_path)
+        assert not box.closed
+        assert feed.connection.black_box == "black box: last 60 s, 0 files"
+        assert len(there(tmp_path)) == 1, "the wrong one has left nothing"
+        box.save("before")
         feed.black_box("/imu", folder=tmp_path)
         assert box.closed
-        assert script.followed == {"/imu"}
+        assert script.followed == {"/imu", "/cmd_vel"}, "speeds are always kept"
+        assert feed.connection.black_box == "black box: last 60 s, 1 file"
+        box.close()
+        assert feed.connection.black_box == "black box: last 60 s, 1 file"
     assert feed.connection.black_box == ""
 
 
@@ -376,6 +462,24 @@ def test_closing_in_the_thread_that_writes_waits_for_nothing(
         clock.advance()  # by no time
         (path,) = box.files
         assert there(tmp_path) == [path.name]
+
+
+def test_closing_again_completes_what_an_interrupt_cut_short(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box("/scan", folder=tmp_path)
+        with monkeypatch.context() as interrupted, pytest.raises(KeyboardInterrupt):
+            interrupted.setattr(feed.connection, "detach", interrupt)
+            box.close()
+        box.close()
+        assert script.followed == set()
+        assert there(tmp_path) == []
+        assert feed.connection.black_box == ""
 
 
 @pytest.mark.parametrize(
