@@ -24,6 +24,7 @@ from .ring import (
     Ring,
     cause_message,
     delete_oldest,
+    has_messages,
     join,
     new_name,
     recover,
@@ -132,7 +133,9 @@ class RingWriter(QueuedWriter):
         self._full, self._unsaved = "", ""
         """The reasons why nothing is kept now, and why the pending file is not written, or empty."""
         self._lost: list[str] = []
-        """Lines on what dead kernels left and cannot be written."""
+        """Lines on what dead kernels left and cannot be written, and on short files that cannot be read."""
+        self._unread: list[Path] = []
+        """Short files that cannot be read."""
         self._keeps_from = self._saves_from = float("-inf")
         """The times at which the disk is tried again."""
         self._segments: deque[_Segment] = deque()
@@ -395,14 +398,14 @@ class RingWriter(QueuedWriter):
         """Write the pending file."""
         pending, self._pending = self._pending, None
         assert pending is not None
-        target = new_name(self._path, self._ring.token, pending.cause)
         self._is_saving = True
         try:
             self._close_segment()
-            segments = [one for one in self._segments if one.path.exists() and one.path.stat().st_size]
+            target = new_name(self._path, self._ring.token, pending.cause)
+            segments = [one for one in self._segments if has_messages(one.path)]
             first_ns = min([pending.cause.time_ns, *(one.start_ns for one in segments)])
             causes = dict.fromkeys([pending.cause, *(one for one in self._causes if one.time_ns >= first_ns)])
-            is_written = bool(segments) and join([one.path for one in segments], target, causes, self._write_some)
+            unread = join([one.path for one in segments], target, causes, self._write_some)
         except Exception as error:
             if self._pending is not None:
                 pending.last = self._pending.last
@@ -415,10 +418,13 @@ class RingWriter(QueuedWriter):
             self._is_saving = False
         self._saved_at = self._clock.now()
         self._report(unsaved="")
-        if is_written:
-            log.info("%s: written for %s", target, many(len(causes), "cause"))
-            self._delete_oldest(target)
-            self._finder.on_change()
+        log.info("%s: written for %s", target, many(len(causes), "cause"))
+        for line in unread:
+            self._lost.append(f"{target.name} lacks a part: {line}")
+            log.error("%s: %s", self._path, self._lost[-1])
+            self._unread.append(self._ring.path / line.partition(":")[0])
+        self._delete_oldest(target)
+        self._finder.on_change()
 
     def _delete_oldest(self, new: Path) -> None:
         try:
@@ -427,11 +433,11 @@ class RingWriter(QueuedWriter):
             log.error("%s: old files cannot be deleted: %s", self._path, error.strerror or error)
 
     def _close_ring(self) -> None:
-        """Remove the short files; if a file could not be written for a cause, they stay for the next start."""
+        """Remove the short files. If one cannot be read, or a file not be written, they stay for the next start."""
         try:
             with suppress(OSError):
                 self._close_segment()
-            if self._pending is None:
+            if self._pending is None and not any(path.exists() for path in self._unread):
                 self._ring.remove()
         except Exception as error:
             log.error("%s: cannot be removed: %s", self._ring.path, getattr(error, "strerror", None) or error)

@@ -347,14 +347,15 @@ def test_two_kernels_share_a_folder_and_neither_takes_what_the_other_keeps(tmp_p
     assert [words(path) for path in files] == [["same"], ["same"]]
 
 
-def leave(folder: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch) -> str:
+def leave(folder: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch, **options: Any) -> str:
     """Leave the last minute of a kernel that ended; return its name."""
+    before = set(there(folder))
     script = Scripted(SCAN)
     with monkeypatch.context() as died, Feed(script, clock=clock) as feed:
         died.setattr(ring.Ring, "remove", ring.Ring.release)
-        feed.black_box(folder=folder)
+        feed.black_box(folder=folder, **options)
         pass_seconds(script, clock, 3)
-    (left,) = there(folder)
+    (left,) = set(there(folder)) - before
     return left
 
 
@@ -371,6 +372,76 @@ def test_a_command_writes_what_a_kernel_has_left(
         feed.black_box(folder=tmp_path)
         assert main(["repair", str(tmp_path)]) == 0
         assert capsys.readouterr().out.startswith("Nothing is left to write in ")
+    assert main(["repair", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.startswith("Nothing is left to write in ")
+    assert there(tmp_path) == [name]
+
+
+def test_what_cannot_be_read_is_reported_and_stays(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    left = tmp_path / leave(tmp_path, clock, monkeypatch, seconds=6)
+    damaged = sorted(left.glob("*.mcap"))[1]
+    damaged.write_bytes(b"\0" * 100)
+    (path,), (problem,) = ring.recover(tmp_path)
+    assert problem.startswith(f"{left.name}, the last minute of an earlier kernel, stays: {damaged.name}: expected an ")
+    assert there(left) == [damaged.name, "lock"]
+    assert words(path) == [ring.DIED]
+    assert ring.recover(tmp_path) == ([], [problem]), "it is not written again"
+
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(seconds=6, after=0, folder=tmp_path / "runs")
+        pass_seconds(script, clock, 4)
+        (runs,) = (tmp_path / "runs").iterdir()
+        damaged = sorted(runs.glob("*.mcap"))[1]
+        damaged.write_bytes(b"\0" * 100)
+        box.save("noise")
+        clock.advance()
+        (path,) = box.files
+        assert box.problems[0].startswith(f"{path.name} lacks a part: {damaged.name}: expected an MCAP file")
+        assert "lacks a part" in caplog.text
+    assert damaged.exists()
+
+
+def test_a_file_of_another_program_stays_and_does_not_stop_the_rest(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / ".ring_0000" / "lock").mkdir(parents=True)
+    left = tmp_path / leave(tmp_path, clock, monkeypatch)
+    (left / "1_notes.mcap").touch()
+    (path,), problems = ring.recover(tmp_path)
+    assert words(path) == [ring.DIED]
+    assert "it is not known if that kernel runs (lock: Is a directory)" in problems[0]
+    assert problems[1].endswith("stays: it has files of other programs: 1_notes.mcap")
+    done = left.name.replace("ring", "done")
+    assert there(tmp_path) == sorted([".ring_0000", done, path.name])
+    written, again = ring.recover(tmp_path)
+    assert written == []
+    assert sorted(again)[0].startswith(done)
+    (tmp_path / done / "1_notes.mcap").unlink()
+    ring.recover(tmp_path)
+    assert there(tmp_path) == [".ring_0000", path.name]
+
+
+def test_without_locks_of_the_system_what_could_not_be_written_is_tried_again(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ring, "fcntl", None)  # as on Windows
+    left = tmp_path / leave(tmp_path, clock, monkeypatch)
+    with monkeypatch.context() as full:
+        full.setattr(ring, "McapWriter", fill_disk)
+        written, (problem,) = ring.recover(tmp_path)
+        assert written == []
+        assert "No space left on device" in problem
+    (left / "lock").rename(tmp_path / "lock")
+    written, (problem,) = ring.recover(tmp_path)
+    assert written == []
+    assert "it is not known if that kernel runs (lock: No such file or directory)" in problem
+    (tmp_path / "lock").rename(left / "lock")
+    (path,), problems = ring.recover(tmp_path)
+    assert problems == []
+    assert there(tmp_path) == [path.name]
 
 
 def test_what_a_kernel_has_left_stays_until_it_can_be_written(
@@ -382,7 +453,7 @@ def test_what_a_kernel_has_left_stays_until_it_can_be_written(
         full.setattr(ring, "McapWriter", fill_disk)
         box = feed.black_box(folder=tmp_path)
         clock.advance()
-        assert box.problems == (f"{left} of a kernel that ended stays: No space left on device",)
+        assert box.problems == (f"{left}, the last minute of an earlier kernel, stays: No space left on device",)
     assert there(tmp_path) == [left]
     with Feed(script, clock=clock) as feed:
         box = feed.black_box(folder=tmp_path)
@@ -411,6 +482,41 @@ def test_the_oldest_files_are_deleted_by_number_and_by_size_and_no_others(tmp_pa
         pass_seconds(script, clock, 2)
         assert box.files[-1].name.split("_")[2] == "large"
     assert (tmp_path / "run.mcap").exists()
+
+
+def test_names_of_the_user_that_are_similar_are_left_alone(tmp_path: Path, clock: ManualClock) -> None:
+    for name in ("drive_2", "drive_ab12", "drive-ab12"):
+        (tmp_path / f"2026-11-29_13-02-24_{name}.mcap").touch()
+    (tmp_path / "2026-11-29_13-02-24_link_blackbox-1-ab12.mcap").symlink_to(tmp_path)
+    (tmp_path / "2026-11-29_13-02-24_folder_blackbox-2-ab12.mcap").mkdir()
+    for name in (".ring_data", ".ring_ab12"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "lock").touch()
+        (tmp_path / name / "drive.mcap").touch()
+    before = {*tmp_path.rglob("*")}
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, files=1, folder=tmp_path)
+        pass_seconds(script, clock, 1)
+        assert box.problems == (
+            ".ring_ab12, the last minute of an earlier kernel, stays: it has files of other programs: drive.mcap",
+        )
+        for _ in range(2):
+            box.save()
+            pass_seconds(script, clock, 20)
+        (path,) = box.files
+    assert {*tmp_path.rglob("*")} == {*before, path}
+
+
+def test_the_newest_files_stay_after_the_clock_of_the_computer_went_back(tmp_path: Path, clock: ManualClock) -> None:
+    (tmp_path / "2099-01-01_00-00-00_old_blackbox-9-ab12.mcap").touch()
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, files=2, folder=tmp_path)
+        for name in ("a", "b"):
+            box.save(name)
+            pass_seconds(script, clock, 20)
+        assert [words(path) for path in box.files] == [["a"], ["a", "b"]]
 
 
 def test_it_keeps_what_the_screen_shows_and_the_screen_shows_that_it_runs(tmp_path: Path, clock: ManualClock) -> None:
@@ -473,9 +579,10 @@ def test_closing_again_completes_what_an_interrupt_cut_short(
     script = Scripted(SCAN)
     with Feed(script, clock=clock) as feed:
         box = feed.black_box("/scan", folder=tmp_path)
-        with monkeypatch.context() as interrupted, pytest.raises(KeyboardInterrupt):
+        with monkeypatch.context() as interrupted:
             interrupted.setattr(feed.connection, "detach", interrupt)
-            box.close()
+            with pytest.raises(KeyboardInterrupt):
+                box.close()
         box.close()
         assert script.followed == set()
         assert there(tmp_path) == []
