@@ -11,7 +11,7 @@ from ..behaviors.program import FAILED
 from ..messages.event import SEVERE_TYPES, EventReader
 from ..notebook.cells import take_the_place
 from ..recordings.ring import saved_files
-from ..recordings.ring_writer import RingLimits, RingWriter
+from ..recordings.ring_writer import Finder, Found, RingLimits, RingWriter
 from ..runtime.text import many
 from ..samples.checks import finite
 from ..samples.event import Level
@@ -23,7 +23,6 @@ from ._topics import FeedTopic
 from .middleware import FeedError
 
 if TYPE_CHECKING:
-    from ..widget.watch import Watch
     from ._connection import Connection
 
 STOP = "Stop"
@@ -38,7 +37,8 @@ class BlackBox(FeedTap):
 
     It begins a file at a bump, Stop, an error that the robot reports, a lost connection, an error of the program, a
     condition that becomes true, and a call of `save`. The file appears some seconds later, so that it contains what
-    follows, and has each cause as a mark. There are at most four files a minute: causes in between share one.
+    follows, and has each cause as a mark. There are at most four files a minute: causes in between share one, unless
+    the last minute has too many bytes to wait.
 
     Args:
         connection: the connection of the feed.
@@ -46,6 +46,7 @@ class BlackBox(FeedTap):
         when: conditions by name.
         folder: the folder of the files.
         limits: what it keeps.
+        earlier: the black box that this one replaces, once it is complete.
 
     Attributes:
         folder: the folder of the files.
@@ -61,6 +62,7 @@ class BlackBox(FeedTap):
         when: Mapping[str, Any],
         folder: Path,
         limits: RingLimits,
+        earlier: BlackBox | None,
     ) -> None:
         self.folder, self._limits = folder, limits
         self._readers: dict[str, EventReader] = {}
@@ -71,7 +73,9 @@ class BlackBox(FeedTap):
         self._failed = ""
         self._is_ready = False
         """True while the screen shows its state: not before it is complete."""
-        writer = RingWriter(folder, limits, self, connection.clock)
+        self._shown_unjudged: tuple[str, ...] = ()
+        finder = Finder(self._causes_in, self._on_second, self._show)
+        writer = RingWriter(folder, limits, finder, connection.clock)
         super().__init__(connection, writer, topics)
         self._triggers: list[_Trigger] = []
         try:
@@ -84,8 +88,10 @@ class BlackBox(FeedTap):
             self.close()
             raise
         take_the_place(self)  # a wrong call leaves the earlier one as it is
+        if earlier is not None:
+            earlier.close()
         self._is_ready = True
-        self.on_change()
+        self._show()
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -93,15 +99,14 @@ class BlackBox(FeedTap):
         return tuple(saved_files(self.folder))
 
     @property
-    def watched(self) -> tuple[Watch, ...]:
-        """The conditions that cause a file when they become true."""
-        return tuple(self._triggers)
+    def problems(self) -> tuple[str, ...]:
+        """The messages that it misses, failures of the disk, and conditions that are not judged, one line each."""
+        return (*super().problems, *self._unjudged)
 
     @property
-    def problems(self) -> tuple[str, ...]:
-        """The messages that it misses, failures of the disk, and conditions that are switched off, one line each."""
-        off = (f"{one.name}: switched off, {one.error}" for one in list(self._triggers) if one.error)
-        return (*super().problems, *off)
+    def _unjudged(self) -> tuple[str, ...]:
+        """The conditions that are not judged now, with the reasons."""
+        return tuple(f"{one.name}: {why}" for one in list(self._triggers) if (why := one.why_not_judged))
 
     def save(self, cause: str = "a call") -> None:
         """Write a file for a cause of your own, some seconds later; return at once.
@@ -118,8 +123,9 @@ class BlackBox(FeedTap):
         text = " ".join(cause.split())
         if not 0 < len(text) <= _LONGEST:
             raise ValueError(f"save: expected a cause of 1 to {_LONGEST} characters, got {cause!r}")
-        if self._closed:
-            raise FeedError("the black box is closed: call black_box() of the feed again")
+        if self._closed or self._connection.is_forked:
+            why = "belongs to the parent of this forked process" if self._connection.is_forked else "is closed"
+            raise FeedError(f"the black box {why}: call black_box() of a feed again")
         self._writer.add_cause(text)
 
     def close(self) -> None:
@@ -128,6 +134,8 @@ class BlackBox(FeedTap):
         It waits for the disk for at most two seconds.
         """
         self._closed = True
+        if self._connection.is_forked:  # the parent keeps on
+            return
         self._connection.unobserve(self._on_connection)
         self._connection.watchdog.unobserve(self._on_stop)
         for trigger in self._triggers:
@@ -158,15 +166,19 @@ class BlackBox(FeedTap):
         less = f" of {self._limits.seconds:g} s, which need more megabytes" if self._writer.is_cut_short else ""
         return f"black box: last {seconds:.4g} s{less}, {many(len(self.files), 'file')}"
 
-    def on_change(self) -> None:
-        """See `Finder`: show the files and the troubles."""
+    def _show(self) -> None:
+        """Show the files and the troubles."""
         if self._is_ready and not self._closed:
-            troubles = tuple(f"black box: {line}" for line in self._writer.trouble)
+            troubles = tuple(f"black box: {line}" for line in (*self._writer.trouble, *self._shown_unjudged))
             self._connection.show_black_box(self._line, troubles)
 
-    def on_second(self) -> None:
-        """See `Finder`: take the topics that widgets show now."""
+    def _on_second(self) -> None:
+        """Take the topics that widgets show now, and show the conditions that are not judged."""
         self.refresh()
+        unjudged = self._unjudged
+        if unjudged != self._shown_unjudged:
+            self._shown_unjudged = unjudged
+            self._show()
 
     # -- in the threads of the feed and of the program: they never wait ------------------------------------------------
 
@@ -211,7 +223,7 @@ class BlackBox(FeedTap):
         with self._lock:
             before, self._is_lost = self._is_lost, bool(status)
         if status and not before and not self._closed:
-            self._writer.add_cause(status[:_LONGEST])
+            self._writer.add_cause(status[:_LONGEST], is_error=True)
 
     def _on_step(self) -> None:
         """Note an error of the program, and what a recorder takes of it."""
@@ -221,19 +233,19 @@ class BlackBox(FeedTap):
         with self._lock:
             before, self._failed = self._failed, failed
         if failed and failed != before and not self._closed:
-            self._writer.add_cause(" ".join(failed.split())[:_LONGEST])
+            self._writer.add_cause(" ".join(failed.split())[:_LONGEST], is_error=True)
 
-    def causes_in(self, topic: str, _type: str, time_ns: int, message: Any) -> list[str]:
-        """See `Finder`: return the touches and the errors that a message reports."""
+    def _causes_in(self, topic: str, _type: str, time_ns: int, message: Any) -> list[Found]:
+        """Return the touches and the errors that a message reports."""
         is_touch = self._events_of.get(topic)
         if is_touch is None:
             return []
         reader = self._readers.setdefault(topic, EventReader(topic))
         events = [event for _, event in reader.read(message, time_ns)]
         if is_touch:
-            return [f"bump: {one.text} ({topic})" for one in events if one.text.endswith(_TOUCHED)]
+            return [Found(f"bump: {one.text} ({topic})") for one in events if one.text.endswith(_TOUCHED)]
         errors = (": ".join(filter(None, (one.source, one.text))) for one in events if one.level >= Level.ERROR)
-        return [" ".join(text[: 2 * _LONGEST].split())[:_LONGEST] for text in errors]
+        return [Found(" ".join(text[: 2 * _LONGEST].split())[:_LONGEST], is_error=True) for text in errors]
 
 
 class _Trigger(FeedWatch):
@@ -247,6 +259,13 @@ class _Trigger(FeedWatch):
     def __init__(self, connection: Connection, given: Any, name: str, on_true: Callable[[str], object]) -> None:
         self._on_true = on_true
         super().__init__(connection, given, name, {})
+
+    @property
+    def why_not_judged(self) -> str:
+        """The reason why it is switched off, or cannot be judged now, or empty."""
+        if self.error:
+            return f"switched off, {self.error}"
+        return "" if self._ended else self._why_unknown()
 
     def judge(self, sample: Any) -> None:
         """See `FeedWatch`."""
@@ -303,10 +322,13 @@ def folder_of(folder: Any) -> Path:
     """Return the folder of the files, which is made if it is missing.
 
     Raises:
-        TypeError: it is not a path. OSError: it cannot be made, or is a file, or may not be written.
+        TypeError: it is not a path. ValueError: it is empty. OSError: it cannot be made, or is a file, or may
+            not be written.
     """
     if not isinstance(folder, (str, os.PathLike)):
         raise TypeError(f"folder: expected the path of a folder, got {folder!r}")
+    if not os.fsdecode(folder):
+        raise ValueError("folder: expected the path of a folder, got an empty text")
     path = Path(os.path.realpath(Path(os.fsdecode(folder)).expanduser()))
     if path.exists() and not path.is_dir():
         raise NotADirectoryError(f"folder: {str(path)!r} is a file; name a folder for the files of the black box")

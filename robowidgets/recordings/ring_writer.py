@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Protocol
+from typing import Any, BinaryIO, NamedTuple
 
 from ..messages.channel import Channel
 from ..repair import RecordingError
@@ -16,7 +16,7 @@ from ..repair.write import McapWriter
 from ..runtime.clock import Clock, Detached
 from ..runtime.text import many, megabytes
 from .cut import is_lasting, is_static
-from .live_writer import QueuedWriter
+from .live_writer import FLUSH, QueuedWriter
 from .ring import (
     CAUSES,
     LOG,
@@ -39,6 +39,9 @@ PARTS = 6
 LONGEST_PART = 10.0
 """The longest duration of a short file in seconds."""
 
+REPEATED = 600.0
+"""Seconds in which an error that comes again begins no file; each time is a mark in the next one."""
+
 BETWEEN = 15.0
 """The shortest time between two files in seconds. Causes in between share the next file."""
 
@@ -55,17 +58,26 @@ MOST_CAUSES = 1000
 """The maximum number of causes that are kept, and of fixed transforms that are repeated."""
 
 
-class Finder(Protocol):
-    """An object that a writer of the last minute calls, in its thread."""
+class Found(NamedTuple):
+    """The text of a cause. An error that comes again and again begins one file."""
 
-    def causes_in(self, topic: str, type_name: str, time_ns: int, message: Any) -> Sequence[str]:
-        """Return the causes that a message reports."""
+    text: str
+    is_error: bool = False
 
-    def on_second(self) -> None:
-        """Note that about a second has passed."""
 
-    def on_change(self) -> None:
-        """Note that the files or the troubles have changed."""
+@dataclass(frozen=True)
+class Finder:
+    """The functions that a writer of the last minute calls, in its thread.
+
+    Args:
+        causes_in: returns the causes that a message reports; called with its topic, type, time and content.
+        on_second: called about each second.
+        on_change: called when the files or the troubles have changed.
+    """
+
+    causes_in: Callable[[str, str, int, Any], Iterable[Found]]
+    on_second: Callable[[], None]
+    on_change: Callable[[], None]
 
 
 @dataclass(frozen=True)
@@ -100,13 +112,17 @@ class _Pending:
 
 @dataclass
 class _Segment:
-    """A short file: its path, the time of its first message, and the clock times of its first and its last one."""
+    """A short file: its path, the time of its first message, and the clock times of its first and its last one.
+
+    Messages that it only repeats have `repeated` bytes, which do not count as its size.
+    """
 
     path: Path
     start_ns: int
     began: float
     ended: float = 0.0
     size: int = 0
+    repeated: int = 0
     registered: set[int] = field(default_factory=set)
 
 
@@ -145,6 +161,9 @@ class RingWriter(QueuedWriter):
         self._lasting: dict[tuple[int, bytes], tuple[Channel, bytes]] = {}
         """The messages that still hold, for the start of each short file."""
         self._causes: deque[Cause] = deque(maxlen=MOST_CAUSES)
+        self._errors: dict[str, float] = {}
+        """The clock times at which errors came last, by text."""
+        self._cause_flushed_at = float("-inf")
         self._pending: _Pending | None = None
         self._saved_at = float("-inf")
         self._has_begun = self._is_saving = False
@@ -167,9 +186,9 @@ class RingWriter(QueuedWriter):
         first = next(iter(list(self._segments)), None)
         return min(self._clock.now() - first.began, self._limits.seconds) if first is not None else 0.0
 
-    def add_cause(self, text: str) -> None:
+    def add_cause(self, text: str, *, is_error: bool = False) -> None:
         """Write a file for a cause, or mark it in the next one. Any thread may call this."""
-        self.add(CAUSES, LOG, self.now_ns(), text, can_be_dropped=False)
+        self.add(CAUSES, LOG, self.now_ns(), Found(text, is_error), can_be_dropped=False)
 
     def close(self) -> None:
         """See `QueuedWriter`. A writer that has not started removes its short files."""
@@ -196,7 +215,8 @@ class RingWriter(QueuedWriter):
             raise Detached
         if self._is_closed:  # in this turn, perhaps by this thread
             return self._clock.now()
-        times = (self._flush_at, None if self._pending is None or self._full else self._due)
+        due = None if self._pending is None or self._full else self._due
+        times = (self._flush_at, due, self._tries_at)
         return min((at for at in times if at is not None), default=None)
 
     def _keep(self, is_closed: bool) -> None:
@@ -205,6 +225,8 @@ class RingWriter(QueuedWriter):
             self._has_begun = True
             self._take_left()
         self._write_waiting()
+        if self._tries_at is not None and self._clock.now() >= self._tries_at:
+            self._try_disk()
         self._flush_if_due()
         # A full disk has no room for a file either; its cause waits.
         if self._pending is not None and (is_closed or (not self._full and self._clock.now() >= self._due)):
@@ -242,22 +264,33 @@ class RingWriter(QueuedWriter):
             return
         try:
             super()._write(topic, topic_type, time_ns, message)
-            for text in self._finder.causes_in(topic, topic_type, time_ns, message):
-                self._note(time_ns, text)
+            for found in self._finder.causes_in(topic, topic_type, time_ns, message):
+                self._note(time_ns, found)
         except Exception as error:  # one bad message must not end the black box
             if topic not in self._unwritable:
                 self._unwritable[topic] = f"{topic} cannot be recorded: {error}"
                 log.exception("%s: %s", self._path, self._unwritable[topic])
 
-    def _note(self, time_ns: int, text: str) -> None:
+    def _note(self, time_ns: int, found: Found) -> None:
         now = self._clock.now()
-        cause = Cause(time_ns, text.encode("utf-8", "replace").decode())  # half a surrogate pair cannot be written
+        # Half a surrogate pair cannot be written.
+        cause = Cause(time_ns, found.text.encode("utf-8", "replace").decode())
         self._causes.append(cause)
-        if self._pending is None:
-            self._pending = _Pending(cause, now, now)
-        self._pending.last = now
+        if not (found.is_error and self._is_repeated(cause.text, now)):
+            if self._pending is None:
+                self._pending = _Pending(cause, now, now)
+            self._pending.last = now
         self._put(CAUSES, cause.time_ns, LOG, cause_message(cause))
-        self._flush_at = now  # the kernel may die of it
+        if now >= self._cause_flushed_at + FLUSH:
+            self._cause_flushed_at = self._flush_at = now  # the kernel may die of it
+
+    def _is_repeated(self, error: str, now: float) -> bool:
+        """Return True if an error has come in the last ten minutes, and note that it has come now."""
+        before = self._errors.pop(error, float("-inf"))
+        self._errors[error] = now
+        if len(self._errors) > MOST_CAUSES:
+            del self._errors[next(iter(self._errors))]
+        return now - before < REPEATED
 
     def _put_bytes(self, channel: Channel, time_ns: int, data: bytes) -> None:
         try:
@@ -283,6 +316,8 @@ class RingWriter(QueuedWriter):
         else:
             return
         self._lasting.pop(key, None)
+        if len(data) > self._most:
+            return
         self._lasting[key] = channel, data
         if len(self._lasting) > MOST_CAUSES:
             del self._lasting[next(iter(self._lasting))]
@@ -292,14 +327,18 @@ class RingWriter(QueuedWriter):
         if self._writer is not None and self._file is not None:
             segment = self._segments[-1]
             lasts = min(self._limits.seconds / PARTS, LONGEST_PART)
-            most = self._limits.size / RING_SHARE / PARTS
-            if self._clock.now() - segment.began < lasts and self._file.tell() < most:
+            if self._clock.now() - segment.began < lasts and self._file.tell() - segment.repeated < self._most:
                 return segment, self._writer
             self._close_segment()
+        if not self._ring.path.is_dir():  # the user has deleted it
+            self._path.mkdir(parents=True, exist_ok=True)
+            self._ring.release()
+            self._ring = Ring(self._path)
+            self._segments.clear()
         self._number += 1
         path = self._ring.path / segment_name(self._number, time_ns)
         segment = _Segment(path, time_ns, self._clock.now())
-        self._file = segment.path.open("xb")
+        self._file = path.open("xb")
         self._segments.append(segment)
         self._writer = McapWriter(self._file, {"cdr"})
         for channel, data in self._lasting.values():
@@ -307,7 +346,15 @@ class RingWriter(QueuedWriter):
                 segment.registered.add(channel.id)
                 self._writer.register(channel)
             self._writer.add(channel, time_ns, data)
+        if self._lasting:
+            self._writer.flush()
+            segment.repeated = self._file.tell()
         return segment, self._writer
+
+    @property
+    def _most(self) -> float:
+        """The bytes of a short file."""
+        return self._limits.size / RING_SHARE / PARTS
 
     def _close_segment(self) -> None:
         writer, file = self._writer, self._file
@@ -318,8 +365,21 @@ class RingWriter(QueuedWriter):
         try:
             writer.finish()
         finally:
-            self._segments[-1].size = file.tell()
+            self._segments[-1].size = file.tell() - self._segments[-1].repeated
             file.close()
+
+    @property
+    def _tries_at(self) -> float | None:
+        """The time at which a disk that was full is tried if no message comes until then."""
+        return self._keeps_from + RETRY if self._full and self._flush_at is None else None
+
+    def _try_disk(self) -> None:
+        try:
+            self._segment(self.now_ns())
+        except OSError as error:
+            self._fail(error)
+        else:
+            self._flush_at = self._clock.now()
 
     def _flush_if_due(self) -> None:
         if self._flush_at is None or self._clock.now() < self._flush_at:
@@ -328,6 +388,8 @@ class RingWriter(QueuedWriter):
         if self._writer is not None:
             try:
                 self._writer.flush()
+                if not self._ring.path.is_dir():
+                    self._close_segment()  # the next message makes it again
             except OSError as error:
                 self._fail(error)
             else:
@@ -343,7 +405,7 @@ class RingWriter(QueuedWriter):
             with suppress(OSError):
                 file.close()
             with suppress(OSError):
-                self._segments[-1].size = self._segments[-1].path.stat().st_size
+                self._segments[-1].size = self._segments[-1].path.stat().st_size - self._segments[-1].repeated
         self._keeps_from = self._clock.now() + RETRY
         self._report(full=f"nothing is kept: {self._why(error)}")
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import errno
 import logging
 import os
+import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +80,11 @@ def there(folder: Path) -> list[str]:
 
 def fill_disk(*_: Any) -> None:
     raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def feel(monkeypatch: pytest.MonkeyPatch, box: Any, causes_in: Any) -> None:
+    """Replace the function that finds causes in messages."""
+    monkeypatch.setattr(box._writer, "_finder", replace(box._writer._finder, causes_in=causes_in))
 
 
 def test_a_file_has_the_minute_before_and_the_seconds_after_its_cause_which_it_marks(
@@ -154,11 +161,25 @@ def test_a_condition_that_becomes_true_is_a_cause_and_one_that_raises_is_reporte
         box = feed.black_box(when=[conditions.nearest_below(0.5), broken], after=0, folder=tmp_path)
         for distance in (1.0, 0.25, 0.3, 1.0):
             script.listener.on_message("/scan", scan(distance))
-            wait_for(lambda d=distance: box.watched[0].value is (d < 0.5), "it is judged")
+            wait_for(lambda d=distance: box._triggers[0].value is (d < 0.5), "it is judged")
         wait_for(lambda: len(box.files) == 1, "the file is there")
         wait_for(lambda: any("broken: switched off" in line for line in box.problems), "the error is reported")
         (path,) = box.files
     assert words(path) == ["nearest below 0.5 m: 0.25 < 0.50 m"]
+
+
+def test_a_condition_that_is_never_judged_is_reported(tmp_path: Path, clock: ManualClock) -> None:
+    script = Scripted(SCAN, ODOM)
+    with Feed(script, clock=clock) as feed:
+        view = feed.show("/odom")
+        box = feed.black_box("/odom", when=conditions.nearest_below(0.5), folder=tmp_path)
+        line = "nearest below 0.5 m: waiting for /scan"
+        wait_for(lambda: any(one.startswith(line) for one in box.problems), "it is a problem")
+        script.listener.on_message("/odom", {})
+        clock.advance(2.0)
+        wait_for(lambda: any(line in one for one in view.notes), "the screen shows it")
+        box.close()
+        assert not any(line in one for one in box.problems)
 
 
 def test_a_trigger_that_flaps_shares_files_and_each_time_is_a_mark(tmp_path: Path, clock: ManualClock) -> None:
@@ -245,19 +266,90 @@ def test_a_file_is_written_while_messages_come_faster_than_they_are_written(
     with Feed(script, clock=clock) as feed:
         box = feed.black_box(after=0, folder=tmp_path)
 
-        def send_two(*_: Any) -> list[str]:
+        def send_two(*_: Any) -> list[Any]:
             nonlocal count
             for _ in range(2 if count < 4000 and not box.files else 0):
                 count += 1
                 script.listener.on_message("/scan", scan())
             return []
 
-        monkeypatch.setattr(box, "causes_in", send_two)
+        feel(monkeypatch, box, send_two)
         box.save("noise")
         script.listener.on_message("/scan", scan())
         clock.advance()
         assert len(box.files) == 1
         assert count < 100
+
+
+def test_an_error_that_comes_again_and_again_begins_one_file_and_each_time_is_a_mark(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = Scripted(SCAN, DIAGNOSTICS)
+    monkeypatch.setattr(ring_writer, "MOST_CAUSES", 30)
+    flushed: list[float] = []
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box("/scan", after=10, folder=tmp_path)
+        flush = box._writer._flush_if_due
+
+        def note_flush() -> None:
+            is_due = box._writer._flush_at is not None and clock.now() >= box._writer._flush_at
+            flush()
+            flushed.extend([clock.now()] * is_due)
+
+        monkeypatch.setattr(box._writer, "_flush_if_due", note_flush)
+        box.save("important")
+        status = {"name": "battery", "message": "hot", "hardware_id": "", "values": []}
+        for _ in range(300):
+            for level in (0, 2) * 3:
+                script.listener.on_message("/diagnostics", {"header": {}, "status": [{**status, "level": level}]})
+            script.listener.on_message("/scan", scan())
+            clock.advance(0.25)
+        assert [path.name.split("_")[2] for path in box.files] == ["important"]
+        assert words(box.files[0])[0] == "important", "later causes do not push it out"
+        assert words(box.files[0]).count("battery: hot") >= 10
+        assert len(flushed) <= 2 * 75 + 2, "each second, and for causes once a second"
+        clock.advance(ring_writer.REPEATED)
+        for level in (0, 2):
+            script.listener.on_message("/diagnostics", {"header": {}, "status": [{**status, "level": level}]})
+        clock.advance(10.0)
+        assert len(box.files) == 2
+
+
+def test_a_large_message_that_holds_does_not_shorten_what_is_kept(tmp_path: Path, clock: ManualClock) -> None:
+    description = Advert("/robot_description", "std_msgs/msg/String", wanted=False)
+    script = Scripted(SCAN, description)
+    kept = []
+    for size in (10, 30_000, 60_000):
+        with Feed(script, clock=clock) as feed:
+            box = feed.black_box("/scan", "/robot_description", megabytes=1, folder=tmp_path)
+            script.listener.on_message("/robot_description", {"data": os.urandom(size // 2).hex()})
+            for _ in range(60):
+                script.listener.on_message("/scan", scan(*os.urandom(4000)))
+                clock.advance(1.0)
+            kept.append(box._writer.kept)
+            box.save(f"s{size}")
+            box.close()
+            (path,) = [path for path in box.files if f"_s{size}_" in path.name]
+            with robowidgets.open(path) as recording:
+                counts = {topic.name: topic.count for topic in recording.topics}
+        assert counts.get("/robot_description", 0) == (size < 1e6 / ring_writer.RING_SHARE / ring_writer.PARTS)
+    assert kept[1] == pytest.approx(kept[0], rel=0.2)
+    assert kept[2] == pytest.approx(kept[0], rel=0.2)
+
+
+def test_a_folder_that_is_deleted_is_made_again(tmp_path: Path, clock: ManualClock) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path / "box")
+        pass_seconds(script, clock, 3)
+        shutil.rmtree(tmp_path / "box")
+        pass_seconds(script, clock, 3)
+        box.save("after that")
+        pass_seconds(script, clock, 1)
+        (path,) = box.files
+        assert box.problems == ()
+    assert words(path) == ["after that"]
+    assert there(tmp_path / "box") == [path.name]
 
 
 def test_what_still_holds_is_in_each_file_once(tmp_path: Path, clock: ManualClock) -> None:
@@ -310,6 +402,22 @@ def test_a_full_disk_is_reported_once_deletes_nothing_and_ends_when_there_is_roo
         assert feed.connection.black_box == "black box: last 10 s, 2 files"
         wait_for(lambda: not view.notes, "the screen shows it")
     assert words(box.files[1]) == ["meanwhile"]
+
+
+def test_a_full_disk_is_tried_again_without_a_message(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path)
+        with monkeypatch.context() as full:
+            full.setattr(ring_writer, "McapWriter", fill_disk)
+            pass_seconds(script, clock, 2)
+            clock.advance(30.0)
+            assert feed.connection.black_box == "black box: in trouble"
+        clock.advance(2 * ring_writer.RETRY)
+        assert feed.connection.black_box == "black box: last 60 s, 0 files"
+        assert box.problems == ()
 
 
 def test_a_file_that_finds_no_room_waits_and_has_no_partial_copy(
@@ -563,11 +671,24 @@ def test_closing_in_the_thread_that_writes_waits_for_nothing(
     script = Scripted(SCAN)
     with Feed(script, clock=clock) as feed:
         box = feed.black_box(folder=tmp_path)
-        monkeypatch.setattr(box, "causes_in", lambda *_: box.close() or ["the last"])
+        feel(monkeypatch, box, lambda *_: box.close() or [ring_writer.Found("the last")])
         script.listener.on_message("/scan", scan())
         clock.advance()  # by no time
         (path,) = box.files
         assert there(tmp_path) == [path.name]
+
+
+def test_a_forked_process_has_no_black_box(tmp_path: Path, clock: ManualClock) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(folder=tmp_path)
+        feed.connection.is_forked = True
+        with pytest.raises(FeedError, match="belongs to the parent of this forked process"):
+            box.save()
+        box.close()
+        feed.connection.is_forked = False
+        clock.advance()
+        assert threads_named("robowidgets-recorder") == 1, "it did not wait for a thread"
 
 
 def test_closing_again_completes_what_an_interrupt_cut_short(
@@ -597,6 +718,7 @@ def test_closing_again_completes_what_an_interrupt_cut_short(
         ({"files": 0}, "files: expected 1 or more, got 0"),
         ({"files": 1.5}, "files: expected a whole number, got 1.5"),
         ({"megabytes": 0}, "megabytes: expected 1 or more, got 0"),
+        ({"folder": ""}, "folder: expected the path of a folder, got an empty text"),
         ({"folder": 3}, "folder: expected the path of a folder, got 3"),
         ({"when": lambda scan: scan}, "when: a lambda has no name"),
         ({"when": {"x": 3}}, "condition: expected a function of one moment"),
