@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import robowidgets
@@ -352,6 +353,19 @@ def test_a_folder_that_is_deleted_is_made_again(tmp_path: Path, clock: ManualClo
     assert there(tmp_path / "box") == [path.name]
 
 
+def test_messages_that_wait_have_a_limit_in_bytes_over_all_topics(tmp_path: Path, clock: ManualClock) -> None:
+    finder = ring_writer.Finder(lambda *_: (), lambda: None, lambda: None)
+    writer = ring_writer.RingWriter(tmp_path, ring_writer.RingLimits(60, 5, 20, 10**9), finder, clock)
+    pixels = np.zeros(1_000_000, np.uint8)  # one for all
+    for number in range(100):
+        writer.add(f"/image{number % 2}", "sensor_msgs/msg/Image", number, {"header": {}, "data": pixels})
+    writer.add("/scan", "sensor_msgs/msg/LaserScan", 100, scan())
+    dropped = sorted(line.partition(" message")[0] for line in writer.problems)
+    writer.close()
+    assert dropped == ["/image0: 17", "/image1: 18"]
+    assert there(tmp_path) == []
+
+
 def test_what_still_holds_is_in_each_file_once(tmp_path: Path, clock: ManualClock) -> None:
     script = Scripted(SCAN, TF_STATIC)
     pose = {"translation": {"x": 0.0, "y": 0.0, "z": 0.0}, "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
@@ -621,6 +635,7 @@ def test_the_newest_files_stay_after_the_clock_of_the_computer_went_back(tmp_pat
     script = Scripted(SCAN)
     with Feed(script, clock=clock) as feed:
         box = feed.black_box(after=0, files=2, folder=tmp_path)
+        pass_seconds(script, clock, 1)
         for name in ("a", "b"):
             box.save(name)
             pass_seconds(script, clock, 20)
