@@ -11,7 +11,7 @@ from ..behaviors.program import FAILED
 from ..messages.event import SEVERE_TYPES, EventReader
 from ..notebook.cells import take_the_place
 from ..recordings.ring import saved_files
-from ..recordings.ring_writer import Finder, Found, RingLimits, RingWriter
+from ..recordings.ring_writer import Finder, FoundCause, RingLimits, RingWriter
 from ..runtime.text import many
 from ..samples.checks import finite
 from ..samples.event import Level
@@ -235,7 +235,7 @@ class BlackBox(FeedTap):
         if failed and failed != before and not self._closed:
             self._writer.add_cause(" ".join(failed.split())[:_LONGEST], is_error=True)
 
-    def _causes_in(self, topic: str, _type: str, time_ns: int, message: Any) -> list[Found]:
+    def _causes_in(self, topic: str, _type: str, time_ns: int, message: Any) -> list[FoundCause]:
         """Return the touches and the errors that a message reports."""
         is_touch = self._events_of.get(topic)
         if is_touch is None:
@@ -243,9 +243,9 @@ class BlackBox(FeedTap):
         reader = self._readers.setdefault(topic, EventReader(topic))
         events = [event for _, event in reader.read(message, time_ns)]
         if is_touch:
-            return [Found(f"bump: {one.text} ({topic})") for one in events if one.text.endswith(_TOUCHED)]
+            return [FoundCause(f"bump: {one.text} ({topic})") for one in events if one.text.endswith(_TOUCHED)]
         errors = (": ".join(filter(None, (one.source, one.text))) for one in events if one.level >= Level.ERROR)
-        return [Found(" ".join(text[: 2 * _LONGEST].split())[:_LONGEST], is_error=True) for text in errors]
+        return [FoundCause(" ".join(text[: 2 * _LONGEST].split())[:_LONGEST], is_error=True) for text in errors]
 
 
 class _Trigger(FeedWatch):

@@ -58,7 +58,7 @@ MOST_CAUSES = 1000
 """The maximum number of causes that are kept, and of fixed transforms that are repeated."""
 
 
-class Found(NamedTuple):
+class FoundCause(NamedTuple):
     """The text of a cause. An error that comes again and again begins one file."""
 
     text: str
@@ -75,7 +75,7 @@ class Finder:
         on_change: called when the files or the troubles have changed.
     """
 
-    causes_in: Callable[[str, str, int, Any], Iterable[Found]]
+    causes_in: Callable[[str, str, int, Any], Iterable[FoundCause]]
     on_second: Callable[[], None]
     on_change: Callable[[], None]
 
@@ -188,7 +188,7 @@ class RingWriter(QueuedWriter):
 
     def add_cause(self, text: str, *, is_error: bool = False) -> None:
         """Write a file for a cause, or mark it in the next one. Any thread may call this."""
-        self.add(CAUSES, LOG, self.now_ns(), Found(text, is_error), can_be_dropped=False)
+        self.add(CAUSES, LOG, self.now_ns(), FoundCause(text, is_error), can_be_dropped=False)
 
     def close(self) -> None:
         """See `QueuedWriter`. A writer that has not started removes its short files."""
@@ -271,7 +271,7 @@ class RingWriter(QueuedWriter):
                 self._unwritable[topic] = f"{topic} cannot be recorded: {error}"
                 log.exception("%s: %s", self._path, self._unwritable[topic])
 
-    def _note(self, time_ns: int, found: Found) -> None:
+    def _note(self, time_ns: int, found: FoundCause) -> None:
         now = self._clock.now()
         # Half a surrogate pair cannot be written.
         cause = Cause(time_ns, found.text.encode("utf-8", "replace").decode())

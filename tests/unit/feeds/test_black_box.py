@@ -686,7 +686,7 @@ def test_closing_in_the_thread_that_writes_waits_for_nothing(
     script = Scripted(SCAN)
     with Feed(script, clock=clock) as feed:
         box = feed.black_box(folder=tmp_path)
-        feel(monkeypatch, box, lambda *_: box.close() or [ring_writer.Found("the last")])
+        feel(monkeypatch, box, lambda *_: box.close() or [ring_writer.FoundCause("the last")])
         script.listener.on_message("/scan", scan())
         clock.advance()  # by no time
         (path,) = box.files
