@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..files import open_source
 from ..files.remote import fetch
-from ..recordings.ring import has_rings, recover
+from ..recordings.ring import is_black_box, recover
 from ..repair.write import write
 from ..runtime.text import many, megabytes
 from ._error import CommandError
@@ -43,7 +43,7 @@ def repair(file: Path | str, output: Path | None, *, force: bool) -> Iterator[st
             fetched.close()
         return
     recording = file.absolute().parent if file.name == "metadata.yaml" else file
-    if recording.is_dir() and has_rings(recording):
+    if recording.is_dir() and is_black_box(recording):
         yield from _repair_black_box(recording, output)
         return
     output = _beside(recording) if output is None else output
@@ -68,7 +68,7 @@ def _repair_black_box(folder: Path, output: Path | None) -> Iterator[str]:
     if problems:
         raise CommandError("; ".join(problems))
     if not written:
-        yield f"Nothing is left to write in {folder}: the kernels of its black boxes run"
+        yield f"Nothing is left to write in {folder}: no kernel has ended without closing its black box"
 
 
 def _beside(recording: Path) -> Path:

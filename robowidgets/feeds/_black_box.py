@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from ..behaviors.program import FAILED
 from ..messages.event import SEVERE_TYPES, EventReader
 from ..notebook.cells import take_the_place
-from ..recordings.ring_writer import RingLimits, RingWriter
+from ..recordings.ring import saved_files
+from ..recordings.ring_writer import Finder, FoundCause, RingLimits, RingWriter
 from ..runtime.text import many
 from ..samples.checks import finite
 from ..samples.event import Level
@@ -22,7 +23,6 @@ from ._topics import FeedTopic
 from .middleware import FeedError
 
 if TYPE_CHECKING:
-    from ..widget.watch import Watch
     from ._connection import Connection
 
 STOP = "Stop"
@@ -37,7 +37,8 @@ class BlackBox(FeedTap):
 
     It begins a file at a bump, Stop, an error that the robot reports, a lost connection, an error of the program, a
     condition that becomes true, and a call of `save`. The file appears some seconds later, so that it contains what
-    follows, and has each cause as a mark. There are at most four files a minute: causes in between share one.
+    follows, and has each cause as a mark. There are at most four files a minute: causes in between share one, unless
+    the last minute has too many bytes to wait.
 
     Args:
         connection: the connection of the feed.
@@ -45,6 +46,7 @@ class BlackBox(FeedTap):
         when: conditions by name.
         folder: the folder of the files.
         limits: what it keeps.
+        earlier: the black box that this one replaces, once it is complete.
 
     Attributes:
         folder: the folder of the files.
@@ -60,6 +62,7 @@ class BlackBox(FeedTap):
         when: Mapping[str, Any],
         folder: Path,
         limits: RingLimits,
+        earlier: BlackBox | None,
     ) -> None:
         self.folder, self._limits = folder, limits
         self._readers: dict[str, EventReader] = {}
@@ -68,10 +71,13 @@ class BlackBox(FeedTap):
         self._is_stopped = connection.watchdog.stopped
         self._is_lost = bool(connection.status)
         self._failed = ""
-        writer = RingWriter(folder, limits, self, connection.clock)
+        self._is_ready = False
+        """True while the screen shows its state: not before it is complete."""
+        self._shown_unjudged: tuple[str, ...] = ()
+        finder = Finder(self._causes_in, self._on_second, self._show)
+        writer = RingWriter(folder, limits, finder, connection.clock)
         super().__init__(connection, writer, topics)
         self._triggers: list[_Trigger] = []
-        take_the_place(self)
         try:
             self._begin()
             connection.observe(self._on_connection)
@@ -81,23 +87,26 @@ class BlackBox(FeedTap):
         except BaseException:
             self.close()
             raise
-        self.on_change()
+        take_the_place(self)  # a wrong call leaves the earlier one as it is
+        if earlier is not None:
+            earlier.close()
+        self._is_ready = True
+        self._show()
 
     @property
     def files(self) -> tuple[Path, ...]:
         """The files of black boxes in the folder, oldest first."""
-        return tuple(self._writer.files)
-
-    @property
-    def watched(self) -> tuple[Watch, ...]:
-        """The conditions that cause a file when they become true."""
-        return tuple(self._triggers)
+        return tuple(saved_files(self.folder))
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """The messages that it misses, failures of the disk, and conditions that are switched off, one line each."""
-        off = (f"{one.name}: switched off, {one.error}" for one in list(self._triggers) if one.error)
-        return (*super().problems, *off)
+        """The messages that it misses, failures of the disk, and conditions that are not judged, one line each."""
+        return (*super().problems, *self._unjudged)
+
+    @property
+    def _unjudged(self) -> tuple[str, ...]:
+        """The conditions that are not judged now, with the reasons."""
+        return tuple(f"{one.name}: {why}" for one in list(self._triggers) if (why := one.why_not_judged))
 
     def save(self, cause: str = "a call") -> None:
         """Write a file for a cause of your own, some seconds later; return at once.
@@ -114,26 +123,27 @@ class BlackBox(FeedTap):
         text = " ".join(cause.split())
         if not 0 < len(text) <= _LONGEST:
             raise ValueError(f"save: expected a cause of 1 to {_LONGEST} characters, got {cause!r}")
-        if self._closed:
-            raise FeedError("the black box is closed: call black_box() of the feed again")
+        if self._closed or self._connection.is_forked:
+            why = "belongs to the parent of this forked process" if self._connection.is_forked else "is closed"
+            raise FeedError(f"the black box {why}: call black_box() of a feed again")
         self._writer.add_cause(text)
 
     def close(self) -> None:
-        """Keep nothing more, and write the file that is due. Calling it again only waits until that is done.
+        """Keep nothing more, and write the file that is due. Calling it again completes what an interrupt cut short.
 
         It waits for the disk for at most two seconds.
         """
-        with self._lock:
-            was_closed, self._closed = self._closed, True
-        if was_closed:
-            self._writer.close()
+        self._closed = True
+        if self._connection.is_forked:  # the parent keeps on
             return
         self._connection.unobserve(self._on_connection)
         self._connection.watchdog.unobserve(self._on_stop)
         for trigger in self._triggers:
             trigger.end("the black box is closed")
+        if self._is_ready:
+            self._connection.show_black_box("")
+            self._is_ready = False
         self._leave()
-        self._connection.show_black_box("")
 
     def __enter__(self) -> BlackBox:
         return self
@@ -156,15 +166,19 @@ class BlackBox(FeedTap):
         less = f" of {self._limits.seconds:g} s, which need more megabytes" if self._writer.is_cut_short else ""
         return f"black box: last {seconds:.4g} s{less}, {many(len(self.files), 'file')}"
 
-    def on_change(self) -> None:
-        """See `Finder`: show the files and the troubles."""
-        if not self._closed:
-            troubles = tuple(f"black box: {line}" for line in self._writer.trouble)
+    def _show(self) -> None:
+        """Show the files and the troubles."""
+        if self._is_ready and not self._closed:
+            troubles = tuple(f"black box: {line}" for line in (*self._writer.trouble, *self._shown_unjudged))
             self._connection.show_black_box(self._line, troubles)
 
-    def on_second(self) -> None:
-        """See `Finder`: take the topics that widgets show now."""
+    def _on_second(self) -> None:
+        """Take the topics that widgets show now, and show the conditions that are not judged."""
         self.refresh()
+        unjudged = self._unjudged
+        if unjudged != self._shown_unjudged:
+            self._shown_unjudged = unjudged
+            self._show()
 
     # -- in the threads of the feed and of the program: they never wait ------------------------------------------------
 
@@ -174,7 +188,7 @@ class BlackBox(FeedTap):
             self._events_of[topic.name] = is_touch
             return True
         if self._names:
-            return topic.name in self._names
+            return topic.name in self._names or topic.commanded or topic.type == _TF
         on_screen = self._on_screen
         is_chosen = topic.name in on_screen if on_screen else is_shown(topic)
         return is_chosen or topic.commanded or topic.type == _TF
@@ -209,7 +223,7 @@ class BlackBox(FeedTap):
         with self._lock:
             before, self._is_lost = self._is_lost, bool(status)
         if status and not before and not self._closed:
-            self._writer.add_cause(status[:_LONGEST])
+            self._writer.add_cause(status[:_LONGEST], is_error=True)
 
     def _on_step(self) -> None:
         """Note an error of the program, and what a recorder takes of it."""
@@ -219,19 +233,19 @@ class BlackBox(FeedTap):
         with self._lock:
             before, self._failed = self._failed, failed
         if failed and failed != before and not self._closed:
-            self._writer.add_cause(" ".join(failed.split())[:_LONGEST])
+            self._writer.add_cause(" ".join(failed.split())[:_LONGEST], is_error=True)
 
-    def causes_in(self, topic: str, _type: str, time_ns: int, message: Any) -> list[str]:
-        """See `Finder`: return the touches and the errors that a message reports."""
+    def _causes_in(self, topic: str, _type: str, time_ns: int, message: Any) -> list[FoundCause]:
+        """Return the touches and the errors that a message reports."""
         is_touch = self._events_of.get(topic)
         if is_touch is None:
             return []
         reader = self._readers.setdefault(topic, EventReader(topic))
         events = [event for _, event in reader.read(message, time_ns)]
         if is_touch:
-            return [f"bump: {one.text} ({topic})" for one in events if one.text.endswith(_TOUCHED)]
+            return [FoundCause(f"bump: {one.text} ({topic})") for one in events if one.text.endswith(_TOUCHED)]
         errors = (": ".join(filter(None, (one.source, one.text))) for one in events if one.level >= Level.ERROR)
-        return [" ".join(text[: 2 * _LONGEST].split())[:_LONGEST] for text in errors]
+        return [FoundCause(" ".join(text[: 2 * _LONGEST].split())[:_LONGEST], is_error=True) for text in errors]
 
 
 class _Trigger(FeedWatch):
@@ -245,6 +259,13 @@ class _Trigger(FeedWatch):
     def __init__(self, connection: Connection, given: Any, name: str, on_true: Callable[[str], object]) -> None:
         self._on_true = on_true
         super().__init__(connection, given, name, {})
+
+    @property
+    def why_not_judged(self) -> str:
+        """The reason why it is switched off, or cannot be judged now, or empty."""
+        if self.error:
+            return f"switched off, {self.error}"
+        return "" if self._ended else self._why_unknown()
 
     def judge(self, sample: Any) -> None:
         """See `FeedWatch`."""
@@ -301,10 +322,13 @@ def folder_of(folder: Any) -> Path:
     """Return the folder of the files, which is made if it is missing.
 
     Raises:
-        TypeError: it is not a path. OSError: it cannot be made, or is a file, or may not be written.
+        TypeError: it is not a path. ValueError: it is empty. OSError: it cannot be made, or is a file, or may
+            not be written.
     """
     if not isinstance(folder, (str, os.PathLike)):
         raise TypeError(f"folder: expected the path of a folder, got {folder!r}")
+    if not os.fsdecode(folder):
+        raise ValueError("folder: expected the path of a folder, got an empty text")
     path = Path(os.path.realpath(Path(os.fsdecode(folder)).expanduser()))
     if path.exists() and not path.is_dir():
         raise NotADirectoryError(f"folder: {str(path)!r} is a file; name a folder for the files of the black box")

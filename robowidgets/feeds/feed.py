@@ -306,8 +306,9 @@ class Feed:
 
         A bump, Stop, an error on ``/rosout`` or ``/diagnostics``, a lost connection, an error of the program, a
         condition that becomes true, and `BlackBox.save` begin a file. It appears some seconds later, and each cause is
-        a mark in its player. There are at most four files a minute: causes in between share one. If the kernel is
-        killed, the next black box in this folder, or ``robowidgets repair`` of the folder, writes what is left of it.
+        a mark in its player. There are at most four files a minute: causes in between share one. An error that comes
+        again within ten minutes is only a mark. If the kernel is killed, the next black box in this folder, or
+        ``robowidgets repair`` of the folder, writes what is left of it.
 
         Speeds, transforms, touches, and the text and states of the program are always in it. A feed has one black box:
         another call replaces it.
@@ -319,7 +320,7 @@ class Feed:
             when: conditions as for `watch`: one, several, or a dictionary of conditions by name.
             folder: the folder of the files. Several kernels may use the same one.
             files: the largest number of files in the folder; older ones are deleted.
-            megabytes: the limit for all of it: a quarter for the last minute, half for the files.
+            megabytes: the limit for all of it: a quarter for the last minute of each kernel, half for the files.
 
         Raises:
             TypeError, ValueError: an argument is invalid, or a condition, as for `watch`.
@@ -332,10 +333,7 @@ class Feed:
 
         self.connection.check_open(*topics)
         limits, named = limits_of(seconds, after, files, megabytes), named_conditions(when)
-        path = folder_of(folder)
-        if self._black_box is not None:
-            self._black_box.close()
-        self._black_box = BlackBox(self.connection, topics, named, path, limits)
+        self._black_box = BlackBox(self.connection, topics, named, folder_of(folder), limits, self._black_box)
         return self._black_box
 
     def drive(self, linear: float = 0.0, angular: float = 0.0, *, lateral: float = 0.0) -> None:

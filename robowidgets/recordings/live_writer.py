@@ -27,6 +27,9 @@ log = logging.getLogger("robowidgets")
 MOST_WAITING = 1000
 """The maximum number of messages of one topic that wait to be written; further ones are dropped."""
 
+MOST_BYTES = 64_000_000
+"""The approximate maximum number of bytes of all messages that wait to be written; further ones are dropped."""
+
 FLUSH = 1.0
 """Seconds after which messages are in the file, so that they are not lost if the process dies."""
 
@@ -65,6 +68,8 @@ class QueuedWriter(ABC):
         """The topics of the waiting messages, in their order."""
         self._waiting: dict[str, deque[tuple[str, int, Any]]] = {}
         """The waiting messages by topic."""
+        self._sizes: dict[str, int] = {}
+        """The approximate bytes of the newest message by topic; the messages of a topic are alike."""
         self._flush_at: float | None = None
         """The time at which written messages must be flushed to the file, or None if all are."""
         self._is_closed = self._has_ended = False
@@ -92,15 +97,20 @@ class QueuedWriter(ABC):
         return self._epoch_ns + int(self._clock.now() * 1e9)
 
     def add(self, topic: str, type_name: str, time_ns: int, message: Any, *, can_be_dropped: bool = True) -> None:
-        """Write a message or a sample, given with the type of its topic; drop it if too many of the topic wait."""
+        """Write a message or a sample, given with the type of its topic; drop it if too many wait."""
         waiting = self._waiting.setdefault(topic, deque())
-        if can_be_dropped and len(waiting) >= MOST_WAITING:
+        self._sizes[topic] = _size(message)
+        if can_be_dropped and waiting and (len(waiting) >= MOST_WAITING or self._waiting_bytes > MOST_BYTES):
             self._dropped[topic] += 1
             return
         waiting.append((type_name, time_ns, message))
         self._queue.append(topic)
         if self._ticket is not None:
             self._ticket.wake()
+
+    @property
+    def _waiting_bytes(self) -> int:
+        return sum(len(waiting) * self._sizes.get(topic, 0) for topic, waiting in list(self._waiting.items()))
 
     def close(self) -> None:
         """Complete the file; nothing may be added afterwards. This waits for the disk for two seconds at most.
@@ -130,8 +140,10 @@ class QueuedWriter(ABC):
     def _put_bytes(self, channel: Channel, time_ns: int, data: bytes) -> None:
         """Write an encoded message. A channel that is new has not been registered yet."""
 
-    def _write_waiting(self) -> None:
-        while self._queue:
+    def _write_waiting(self, most: int | None = None) -> None:
+        """Write the messages that wait now, or some of them. Messages that come meanwhile wait for the next turn."""
+        waiting = len(self._queue)
+        for _ in range(waiting if most is None else min(waiting, most)):
             topic = self._queue.popleft()
             self._write(topic, *self._waiting[topic].popleft())
             if self._flush_at is None:
@@ -249,6 +261,21 @@ class LiveWriter(QueuedWriter):
             self._registered.add(channel.id)
         self._writer.add(channel, time_ns, data)
         self.written[channel.topic] += 1
+
+
+def _size(value: Any, depth: int = 0) -> int:
+    """Return the approximate bytes of a message or a sample, quickly."""
+    if isinstance(value, (str, bytes, bytearray)):
+        return len(value)
+    nbytes = getattr(value, "nbytes", None)
+    if isinstance(nbytes, int):
+        return nbytes
+    if depth > 4:
+        return 8
+    if isinstance(value, (list, tuple)):
+        return len(value) * _size(value[0], depth + 1) if value else 0
+    parts = value if isinstance(value, dict) else getattr(value, "__dict__", None)
+    return 8 if parts is None else sum(_size(part, depth + 1) for part in list(parts.values()))
 
 
 def _definition(type_name: str, message: Any) -> str:

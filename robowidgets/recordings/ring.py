@@ -1,14 +1,14 @@
 """The folder of a black box: short MCAP files of the last minute, which are joined into one when something happens.
 
-Each kernel has a folder of its own for them, `.ring_` and a few digits, and locks it. A folder that no process locks is
-left over from a kernel that died.
+Each kernel has a folder of its own for them, `.ring_` and four digits, and locks it. A folder that no process locks is
+left over from a kernel that died. Once its messages are in a file, it is called `.done_`, and its files are deleted.
 """
 
 from __future__ import annotations
 
+import errno
 import os
 import re
-import shutil
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
@@ -38,10 +38,18 @@ CAUSES = "/robowidgets/black_box"
 LOG = "rcl_interfaces/msg/Log"
 DIED = "the kernel ended without closing"
 
-_RING = ".ring_"
+_RING, _DONE = ".ring_", ".done_"
 _NEW = ".new_"
 _LOCK = "lock"
-_SAVED = re.compile(r"\d{4}(-\d\d){2}_\d\d(-\d\d){2}_[a-z0-9-]*_([0-9a-f]+)(_\d+)?\.mcap")
+_FOLDER = re.compile(r"\.(ring|done)_[0-9a-f]{4}")
+_SEGMENT = re.compile(r"([0-9]+)_([0-9]+)\.mcap")
+_SAVED = re.compile(
+    r"[0-9]{4}(-[0-9]{2}){2}_[0-9]{2}(-[0-9]{2}){2}_[a-z0-9-]*_blackbox-(?P<number>[0-9]+)-[0-9a-f]{4}\.mcap"
+)
+_PART = re.compile(_SAVED.pattern + r"\.[0-9]+\.part")
+_HEADER = 64
+"""The maximum number of bytes of a short file that has no message yet."""
+
 _LONGEST = 40
 """Characters of a cause in the name of a file."""
 
@@ -75,6 +83,8 @@ class Ring:
             self.token = token_hex(2)
             self.path = folder / f"{_RING}{self.token}"
             new = folder / f"{_NEW}{self.token}"
+            if self.path.exists() or _done(self.path).exists():
+                continue
             with suppress(FileExistsError):
                 new.mkdir()
                 break
@@ -90,11 +100,18 @@ class Ring:
         _rings.add(self)
 
     def remove(self) -> None:
-        """Remove the folder; raise OSError if that is impossible."""
+        """Remove the folder, unless it is released already; raise OSError if that is impossible."""
+        if not self.is_held:
+            return
         if fcntl is None:
             self.release()
-        shutil.rmtree(self.path)
+        _remove(self.path)
         self.release()
+
+    @property
+    def is_held(self) -> bool:
+        """True until it is released."""
+        return self._lock is not None
 
     def release(self) -> None:
         """Release the lock, so that another kernel may take what is in the folder."""
@@ -123,9 +140,19 @@ def segment_name(number: int, start_ns: int) -> str:
 
 def saved_files(folder: Path) -> list[Path]:
     """Return the files that black boxes wrote into a folder, oldest first."""
-    with suppress(FileNotFoundError):
-        return sorted(path for path in folder.iterdir() if _SAVED.fullmatch(path.name))
+    with suppress(OSError):  # removed, or not to be read
+        return [path for _, path in sorted(_numbered(folder)) if _is_plain_file(path)]
     return []
+
+
+def _numbered(folder: Path) -> Iterator[tuple[int, Path]]:
+    for path in folder.iterdir():
+        if match := _SAVED.fullmatch(path.name):
+            yield int(match["number"]), path
+
+
+def _is_plain_file(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink()
 
 
 def delete_oldest(folder: Path, most_files: int, most_bytes: int, new: Path) -> None:
@@ -141,13 +168,21 @@ def delete_oldest(folder: Path, most_files: int, most_bytes: int, new: Path) -> 
 
 
 def new_name(folder: Path, token: str, cause: Cause) -> Path:
-    """Return the path of a file that does not exist: its date, its cause, and the digits of its kernel."""
+    """Return the path of a file that does not exist: its date, its cause, its number, and the digits of its kernel.
+
+    The number orders the files, because the clock of a robot may go back.
+    """
     day = time.strftime("%Y-%m-%d_%H-%M-%S", time.localtime(cause.time_ns / 1e9))
     about = re.sub(r"[^a-z0-9]+", "-", cause.text.partition(":")[0].lower())[:_LONGEST].strip("-")
-    stem, number = f"{day}_{about}_{token}", 1
-    while (path := folder / f"{stem}{'' if number == 1 else f'_{number}'}.mcap").exists():
-        number += 1
-    return path
+    number = 1 + max((number for number, _ in _numbered(folder)), default=0)
+    return folder / f"{day}_{about}_blackbox-{number}-{token}.mcap"
+
+
+def has_messages(segment: Path) -> bool:
+    """Return True if a short file exists and has more than its header, so that it has or had messages."""
+    with suppress(FileNotFoundError):
+        return segment.stat().st_size > _HEADER
+    return False
 
 
 def join(
@@ -155,8 +190,10 @@ def join(
     target: Path,
     causes: Iterable[Cause] | None,
     meanwhile: Callable[[], object] = lambda: None,
-) -> bool:
-    """Join short files into one, which appears once it is complete. Return False if they have no message.
+) -> tuple[str, ...]:
+    """Join short files into one, which appears once it is complete. Return a line for each that cannot be read.
+
+    A line begins with the name of the short file and a colon.
 
     Args:
         segments: the files, in their order; a killed kernel leaves the last one unfinished.
@@ -165,11 +202,13 @@ def join(
         meanwhile: called after each message.
 
     Raises:
-        OSError: the file cannot be written. RecordingError: no file can be read.
+        OSError: the file cannot be written. RecordingError: no message can be read.
     """
+    if not segments:
+        raise RecordingError("no message is kept")
     with without_bars(), closing(open_repaired(segments)) as source:
         if source.end_ns is None:
-            return False
+            raise RecordingError("no message can be read")
         channels = [channel for channel in source.channels if channel.topic != CAUSES]
         if causes is None:
             causes = [*_causes_in(source), Cause(source.end_ns, DIED)]
@@ -186,48 +225,87 @@ def join(
                 writer.add(*message)
                 meanwhile()
             writer.finish()
-    return True
+        return source.unread
 
 
-def has_rings(folder: Path) -> bool:
-    """Return True if a black box runs in a folder, or a dead kernel has left messages there."""
-    return next(folder.glob(f"{_RING}*"), None) is not None
+def is_black_box(folder: Path) -> bool:
+    """Return True if a black box runs in a folder, or a dead kernel left messages there, or it has only their files."""
+    files = find_files(folder)
+    return bool(_rings_in(folder)) or (bool(files) and set(files) <= set(saved_files(folder)))
+
+
+def _rings_in(folder: Path) -> list[Path]:
+    there = (path for path in folder.iterdir() if _FOLDER.fullmatch(path.name))
+    return sorted(path for path in there if path.is_dir() and not path.is_symlink())
 
 
 def recover(folder: Path, meanwhile: Callable[[], object] = lambda: None) -> tuple[list[Path], list[str]]:
     """Write what dead kernels have left in the folder of a black box. Return the files, and lines on failures."""
     written: list[Path] = []
     problems = []
-    for ring in sorted(folder.glob(f"{_RING}*")):
+    held = {ring.path for ring in list(_rings) if ring.is_held}
+    for ring in _rings_in(folder):
         try:
-            with _taken(ring) as is_left:
-                written += _recover(folder, ring, meanwhile) if is_left else ()
-        except (OSError, RecordingError) as error:  # noqa: PERF203  # the others are written
-            problems.append(f"{ring.name} of a kernel that ended stays: {getattr(error, 'strerror', None) or error}")
+            if ring.name.startswith(_DONE):
+                _remove(ring)
+            elif ring not in held:
+                with _taken(ring) as is_left:
+                    if is_left:
+                        _recover(folder, ring, meanwhile, written)
+        except Exception as error:  # noqa: PERF203  # the others are written
+            if not isinstance(error, FileNotFoundError) or ring.exists():  # else another kernel was faster
+                why = getattr(error, "strerror", None) or error
+                if isinstance(error, RecordingError):
+                    why = f"{why}; delete the folder if you do not need it"
+                problems.append(f"{ring.name}, the last minute of an earlier kernel, stays: {why}")
     return written, problems
 
 
-def _recover(folder: Path, ring: Path, meanwhile: Callable[[], object]) -> Iterator[Path]:
+def _recover(folder: Path, ring: Path, meanwhile: Callable[[], object], written: list[Path]) -> None:
     token = ring.name.removeprefix(_RING)
-    for part in folder.glob(f"*_{token}*.mcap.*.part"):
-        part.unlink(missing_ok=True)
-    segments = find_files(ring)
+    for part in folder.glob(f"*-{token}.mcap.*.part"):
+        if _PART.fullmatch(part.name):
+            part.unlink(missing_ok=True)
     # The last one may have been opened just before the end.
-    while segments and not _has_messages(segments[-1]):
-        segments.pop()
+    segments = [path for path in _segments_in(ring) if has_messages(path)]
     if segments:
         target = new_name(folder, token, Cause(segments[-1].stat().st_mtime_ns, DIED))
-        if join(segments, target, None, meanwhile):
-            yield target
-    shutil.rmtree(ring)
+        unread = join(segments, target, None, meanwhile)
+        written.append(target)
+        if unread:
+            names = {line.partition(":")[0] for line in unread}
+            for path in segments:
+                if path.name not in names:
+                    path.unlink()
+            raise RecordingError("; ".join(unread))
+    _remove(ring)
 
 
-def _has_messages(segment: Path) -> bool:
-    try:
-        with without_bars(), closing(open_repaired([segment])) as source:
-            return source.end_ns is not None
-    except RecordingError:
-        return False
+def _segments_in(ring: Path) -> list[Path]:
+    """Return the short files in a folder, in their order."""
+    there = ((_SEGMENT.fullmatch(path.name), path) for path in ring.iterdir())
+    found = [(int(match[1]), path) for match, path in there if match and _is_plain_file(path)]
+    return [path for _, path in sorted(found)]
+
+
+def _done(ring: Path) -> Path:
+    return ring.with_name(ring.name.replace(_RING, _DONE))
+
+
+def _remove(ring: Path) -> None:
+    """Remove the folder of short files that are written or not needed; raise OSError if it has other files."""
+    segments, lock = _segments_in(ring), ring / _LOCK
+    others = sorted(path.name for path in ring.iterdir() if path not in (*segments, lock))
+    if segments or not others:
+        done = _done(ring)
+        ring.rename(done)  # first: whatever fails now, no start writes a file of it again
+        for path in segments:
+            (done / path.name).unlink(missing_ok=True)
+        if not others:
+            (done / _LOCK).unlink(missing_ok=True)
+            done.rmdir()
+    if others:
+        raise OSError(errno.ENOTEMPTY, f"it has files of other programs: {', '.join(others[:3])}")
 
 
 def _causes_in(source: Any) -> Iterator[Cause]:
@@ -264,25 +342,39 @@ def _taken(ring: Path) -> Iterator[bool]:
     if fcntl is None:
         try:
             path.unlink()  # fails while a process has it open
-        except OSError:
+        except PermissionError:
             yield False
-        else:
+            return
+        except OSError as error:
+            raise _unknown(error) from None
+        try:
             yield True
+        except BaseException:
+            with suppress(OSError):
+                path.touch()  # for the next attempt
+            raise
         return
     try:
         lock = os.open(path, os.O_RDWR)
-    except OSError:
-        yield False
-        return
+    except OSError as error:
+        raise _unknown(error) from None
     try:
         yield _is_locked_now(lock, path)
     finally:
         os.close(lock)
 
 
+def _unknown(error: OSError) -> OSError:
+    return OSError(error.errno, f"it is not known if that kernel runs ({_LOCK}: {error.strerror})")
+
+
 def _is_locked_now(lock: int, path: Path) -> bool:
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        return os.path.samestat(os.fstat(lock), path.stat())
-    except OSError:  # locked by its kernel, or removed
+    except BlockingIOError:  # by its kernel
         return False
+    except OSError as error:
+        raise _unknown(error) from None
+    with suppress(FileNotFoundError):  # another kernel was faster
+        return os.path.samestat(os.fstat(lock), path.stat())
+    return False

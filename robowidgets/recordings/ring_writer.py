@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Protocol
+from typing import Any, BinaryIO, NamedTuple
 
 from ..messages.channel import Channel
 from ..repair import RecordingError
@@ -16,7 +16,7 @@ from ..repair.write import McapWriter
 from ..runtime.clock import Clock, Detached
 from ..runtime.text import many, megabytes
 from .cut import is_lasting, is_static
-from .live_writer import QueuedWriter
+from .live_writer import FLUSH, QueuedWriter
 from .ring import (
     CAUSES,
     LOG,
@@ -24,10 +24,10 @@ from .ring import (
     Ring,
     cause_message,
     delete_oldest,
+    has_messages,
     join,
     new_name,
     recover,
-    saved_files,
     segment_name,
 )
 
@@ -39,6 +39,9 @@ PARTS = 6
 LONGEST_PART = 10.0
 """The longest duration of a short file in seconds."""
 
+REPEATED = 600.0
+"""Seconds in which an error that comes again begins no file; each time is a mark in the next one."""
+
 BETWEEN = 15.0
 """The shortest time between two files in seconds. Causes in between share the next file."""
 
@@ -48,21 +51,33 @@ RETRY = 5.0
 RING_SHARE = 4
 """One part in this number of the megabytes is for the short files, half of them for the files of causes."""
 
+SHARE = 3
+"""The maximum number of new messages that are written for each message of a file."""
+
 MOST_CAUSES = 1000
 """The maximum number of causes that are kept, and of fixed transforms that are repeated."""
 
 
-class Finder(Protocol):
-    """An object that a writer of the last minute calls, in its thread."""
+class FoundCause(NamedTuple):
+    """The text of a cause. An error that comes again and again begins one file."""
 
-    def causes_in(self, topic: str, type_name: str, time_ns: int, message: Any) -> Sequence[str]:
-        """Return the causes that a message reports."""
+    text: str
+    is_error: bool = False
 
-    def on_second(self) -> None:
-        """Note that about a second has passed."""
 
-    def on_change(self) -> None:
-        """Note that the files or the troubles have changed."""
+@dataclass(frozen=True)
+class Finder:
+    """The functions that a writer of the last minute calls, in its thread.
+
+    Args:
+        causes_in: returns the causes that a message reports; called with its topic, type, time and content.
+        on_second: called about each second.
+        on_change: called when the files or the troubles have changed.
+    """
+
+    causes_in: Callable[[str, str, int, Any], Iterable[FoundCause]]
+    on_second: Callable[[], None]
+    on_change: Callable[[], None]
 
 
 @dataclass(frozen=True)
@@ -84,22 +99,30 @@ class RingLimits:
 
 @dataclass
 class _Pending:
-    """A file that is due: the clock times of its first and its last cause."""
+    """A file that is due: the clock times of its first and its last cause.
+
+    It is urgent once the short files with its first cause would soon be deleted.
+    """
 
     cause: Cause
     first: float
     last: float
+    is_urgent: bool = False
 
 
 @dataclass
 class _Segment:
-    """A short file: its path, the time of its first message, and the clock times of its first and its last one."""
+    """A short file: its path, the time of its first message, and the clock times of its first and its last one.
+
+    Messages that it only repeats have `repeated` bytes, which do not count as its size.
+    """
 
     path: Path
     start_ns: int
     began: float
     ended: float = 0.0
     size: int = 0
+    repeated: int = 0
     registered: set[int] = field(default_factory=set)
 
 
@@ -115,9 +138,6 @@ class RingWriter(QueuedWriter):
         finder: finds causes in the messages.
         clock: as for `QueuedWriter`.
 
-    Attributes:
-        files: the files of black boxes in the folder, also of other kernels, oldest first.
-
     Raises:
         OSError: the folder cannot be written.
     """
@@ -126,11 +146,12 @@ class RingWriter(QueuedWriter):
         super().__init__(folder, clock)
         self._limits, self._finder = limits, finder
         self._ring = Ring(folder)
-        self.files = saved_files(folder)
         self._full, self._unsaved = "", ""
         """The reasons why nothing is kept now, and why the pending file is not written, or empty."""
         self._lost: list[str] = []
-        """Lines on what dead kernels left and cannot be written."""
+        """Lines on what dead kernels left and cannot be written, and on short files that cannot be read."""
+        self._unread: list[Path] = []
+        """Short files that cannot be read."""
         self._keeps_from = self._saves_from = float("-inf")
         """The times at which the disk is tried again."""
         self._segments: deque[_Segment] = deque()
@@ -140,6 +161,9 @@ class RingWriter(QueuedWriter):
         self._lasting: dict[tuple[int, bytes], tuple[Channel, bytes]] = {}
         """The messages that still hold, for the start of each short file."""
         self._causes: deque[Cause] = deque(maxlen=MOST_CAUSES)
+        self._errors: dict[str, float] = {}
+        """The clock times at which errors came last, by text."""
+        self._cause_flushed_at = float("-inf")
         self._pending: _Pending | None = None
         self._saved_at = float("-inf")
         self._has_begun = self._is_saving = False
@@ -162,73 +186,111 @@ class RingWriter(QueuedWriter):
         first = next(iter(list(self._segments)), None)
         return min(self._clock.now() - first.began, self._limits.seconds) if first is not None else 0.0
 
-    def add_cause(self, text: str) -> None:
+    def add_cause(self, text: str, *, is_error: bool = False) -> None:
         """Write a file for a cause, or mark it in the next one. Any thread may call this."""
-        self.add(CAUSES, LOG, self.now_ns(), text, can_be_dropped=False)
+        self.add(CAUSES, LOG, self.now_ns(), FoundCause(text, is_error), can_be_dropped=False)
+
+    def close(self) -> None:
+        """See `QueuedWriter`. A writer that has not started removes its short files."""
+        super().close()
+        if self._ticket is None:
+            self._close_ring()
 
     # -- in the thread that writes -------------------------------------------------------------------------------------
 
     def _run(self) -> float | None:
         """See `QueuedWriter`."""
         is_closed = self._is_closed  # nothing is added after closing
+        try:
+            self._keep(is_closed)
+        except Exception:
+            if not is_closed:
+                raise
+            log.exception("%s: error while closing", self._path)
+        finally:
+            if is_closed:
+                self._close_ring()
+                self._end()
+        if is_closed:
+            raise Detached
+        if self._is_closed:  # in this turn, perhaps by this thread
+            return self._clock.now()
+        due = None if self._pending is None or self._full else self._due
+        times = (self._flush_at, due, self._tries_at)
+        return min((at for at in times if at is not None), default=None)
+
+    def _keep(self, is_closed: bool) -> None:
+        """Write what waits, and the file that is due."""
         if not self._has_begun:
             self._has_begun = True
             self._take_left()
         self._write_waiting()
+        if self._tries_at is not None and self._clock.now() >= self._tries_at:
+            self._try_disk()
         self._flush_if_due()
         # A full disk has no room for a file either; its cause waits.
         if self._pending is not None and (is_closed or (not self._full and self._clock.now() >= self._due)):
             self._save()
         self._trim()
-        if is_closed:
-            self._close_ring()
-            self._end()
-            raise Detached
-        if self._is_closed:  # in this turn, perhaps by this thread
-            return self._clock.now()
-        times = (self._flush_at, None if self._pending is None or self._full else self._due)
-        return min((at for at in times if at is not None), default=None)
 
     @property
     def _due(self) -> float:
         """The time at which the pending file is written, or tried again."""
         pending = self._pending
         assert pending is not None
+        if pending.is_urgent:
+            return self._saves_from
         last = min(pending.last + self._limits.after, pending.first + max(self._limits.seconds, self._limits.after))
         return max(last, self._saved_at + BETWEEN, self._saves_from)
 
+    def _write_some(self) -> None:
+        """Write a few waiting messages between the messages of a file, which is complete soon even under overload."""
+        self._write_waiting(SHARE)
+
     def _take_left(self) -> None:
         """Write what dead kernels have left in the folder."""
-        written, self._lost = recover(self._path, self._write_waiting)
+        written, self._lost = recover(self._path, self._write_some)
         for path in written:
             log.warning("%s: written from what a kernel left that ended without closing", path)
             self._delete_oldest(path)
         for line in self._lost:
             log.error("%s: %s", self._path, line)
         if written or self._lost:
-            self._note_files()
+            self._finder.on_change()
 
     def _write(self, topic: str, topic_type: str, time_ns: int, message: Any) -> None:
         if topic == CAUSES:
-            self._note(Cause(time_ns, message))
+            self._note(time_ns, message)
             return
         try:
             super()._write(topic, topic_type, time_ns, message)
-            for text in self._finder.causes_in(topic, topic_type, time_ns, message):
-                self._note(Cause(time_ns, text))
+            for found in self._finder.causes_in(topic, topic_type, time_ns, message):
+                self._note(time_ns, found)
         except Exception as error:  # one bad message must not end the black box
             if topic not in self._unwritable:
                 self._unwritable[topic] = f"{topic} cannot be recorded: {error}"
                 log.exception("%s: %s", self._path, self._unwritable[topic])
 
-    def _note(self, cause: Cause) -> None:
+    def _note(self, time_ns: int, found: FoundCause) -> None:
         now = self._clock.now()
+        # Half a surrogate pair cannot be written.
+        cause = Cause(time_ns, found.text.encode("utf-8", "replace").decode())
         self._causes.append(cause)
-        if self._pending is None:
-            self._pending = _Pending(cause, now, now)
-        self._pending.last = now
+        if not (found.is_error and self._is_repeated(cause.text, now)):
+            if self._pending is None:
+                self._pending = _Pending(cause, now, now)
+            self._pending.last = now
         self._put(CAUSES, cause.time_ns, LOG, cause_message(cause))
-        self._flush_at = now  # the kernel may die of it
+        if now >= self._cause_flushed_at + FLUSH:
+            self._cause_flushed_at = self._flush_at = now  # the kernel may die of it
+
+    def _is_repeated(self, error: str, now: float) -> bool:
+        """Return True if an error has come in the last ten minutes, and note that it has come now."""
+        before = self._errors.pop(error, float("-inf"))
+        self._errors[error] = now
+        if len(self._errors) > MOST_CAUSES:
+            del self._errors[next(iter(self._errors))]
+        return now - before < REPEATED
 
     def _put_bytes(self, channel: Channel, time_ns: int, data: bytes) -> None:
         try:
@@ -254,6 +316,8 @@ class RingWriter(QueuedWriter):
         else:
             return
         self._lasting.pop(key, None)
+        if len(data) > self._most:
+            return
         self._lasting[key] = channel, data
         if len(self._lasting) > MOST_CAUSES:
             del self._lasting[next(iter(self._lasting))]
@@ -263,14 +327,18 @@ class RingWriter(QueuedWriter):
         if self._writer is not None and self._file is not None:
             segment = self._segments[-1]
             lasts = min(self._limits.seconds / PARTS, LONGEST_PART)
-            most = self._limits.size / RING_SHARE / PARTS
-            if self._clock.now() - segment.began < lasts and self._file.tell() < most:
+            if self._clock.now() - segment.began < lasts and self._file.tell() - segment.repeated < self._most:
                 return segment, self._writer
             self._close_segment()
+        if not self._ring.path.is_dir():  # the user has deleted it
+            self._path.mkdir(parents=True, exist_ok=True)
+            self._ring.release()
+            self._ring = Ring(self._path)
+            self._segments.clear()
         self._number += 1
         path = self._ring.path / segment_name(self._number, time_ns)
         segment = _Segment(path, time_ns, self._clock.now())
-        self._file = segment.path.open("xb")
+        self._file = path.open("xb")
         self._segments.append(segment)
         self._writer = McapWriter(self._file, {"cdr"})
         for channel, data in self._lasting.values():
@@ -278,7 +346,15 @@ class RingWriter(QueuedWriter):
                 segment.registered.add(channel.id)
                 self._writer.register(channel)
             self._writer.add(channel, time_ns, data)
+        if self._lasting:
+            self._writer.flush()
+            segment.repeated = self._file.tell()
         return segment, self._writer
+
+    @property
+    def _most(self) -> float:
+        """The bytes of a short file."""
+        return self._limits.size / RING_SHARE / PARTS
 
     def _close_segment(self) -> None:
         writer, file = self._writer, self._file
@@ -289,8 +365,21 @@ class RingWriter(QueuedWriter):
         try:
             writer.finish()
         finally:
-            self._segments[-1].size = file.tell()
+            self._segments[-1].size = file.tell() - self._segments[-1].repeated
             file.close()
+
+    @property
+    def _tries_at(self) -> float | None:
+        """The time at which a disk that was full is tried if no message comes until then."""
+        return self._keeps_from + RETRY if self._full and self._flush_at is None else None
+
+    def _try_disk(self) -> None:
+        try:
+            self._segment(self.now_ns())
+        except OSError as error:
+            self._fail(error)
+        else:
+            self._flush_at = self._clock.now()
 
     def _flush_if_due(self) -> None:
         if self._flush_at is None or self._clock.now() < self._flush_at:
@@ -299,6 +388,8 @@ class RingWriter(QueuedWriter):
         if self._writer is not None:
             try:
                 self._writer.flush()
+                if not self._ring.path.is_dir():
+                    self._close_segment()  # the next message makes it again
             except OSError as error:
                 self._fail(error)
             else:
@@ -314,7 +405,7 @@ class RingWriter(QueuedWriter):
             with suppress(OSError):
                 file.close()
             with suppress(OSError):
-                self._segments[-1].size = self._segments[-1].path.stat().st_size
+                self._segments[-1].size = self._segments[-1].path.stat().st_size - self._segments[-1].repeated
         self._keeps_from = self._clock.now() + RETRY
         self._report(full=f"nothing is kept: {self._why(error)}")
 
@@ -347,6 +438,11 @@ class RingWriter(QueuedWriter):
             is_large = not is_old and sum(one.size for one in self._segments) > most
             if not is_old and not is_large:
                 break
+            middle = self._segments[len(self._segments) // 2]
+            pending = None if self._unsaved else self._pending
+            if is_large and pending is not None and middle.ended >= pending.first:
+                pending.is_urgent = True  # half of its time is before the cause, and half after it
+                break
             is_cut_short |= is_large
             try:
                 segment.path.unlink(missing_ok=True)
@@ -364,31 +460,33 @@ class RingWriter(QueuedWriter):
         """Write the pending file."""
         pending, self._pending = self._pending, None
         assert pending is not None
-        target = new_name(self._path, self._ring.token, pending.cause)
         self._is_saving = True
         try:
             self._close_segment()
-            segments = [one for one in self._segments if one.path.exists() and one.path.stat().st_size]
+            target = new_name(self._path, self._ring.token, pending.cause)
+            segments = [one for one in self._segments if has_messages(one.path)]
             first_ns = min([pending.cause.time_ns, *(one.start_ns for one in segments)])
-            causes = [one for one in self._causes if one.time_ns >= first_ns]
-            is_written = bool(segments) and join([one.path for one in segments], target, causes, self._write_waiting)
-        except OSError as error:
+            causes = dict.fromkeys([pending.cause, *(one for one in self._causes if one.time_ns >= first_ns)])
+            unread = join([one.path for one in segments], target, causes, self._write_some)
+        except Exception as error:
             if self._pending is not None:
                 pending.last = self._pending.last
             self._pending, self._saves_from = pending, self._clock.now() + RETRY
+            if not isinstance(error, (OSError, RecordingError)):
+                log.exception("black box: no file for “%s”", pending.cause.text)
             self._report(unsaved=f"the file for “{pending.cause.text}” waits: {self._why(error)}")
-            return
-        except RecordingError as error:
-            log.error("black box: no file for “%s”: %s", pending.cause.text, error)
             return
         finally:
             self._is_saving = False
         self._saved_at = self._clock.now()
         self._report(unsaved="")
-        if is_written:
-            log.info("%s: written for %s", target, many(len(causes), "cause"))
-            self._delete_oldest(target)
-            self._note_files()
+        log.info("%s: written for %s", target, many(len(causes), "cause"))
+        for line in unread:
+            self._lost.append(f"{target.name} lacks a part: {line}")
+            log.error("%s: %s", self._path, self._lost[-1])
+            self._unread.append(self._ring.path / line.partition(":")[0])
+        self._delete_oldest(target)
+        self._finder.on_change()
 
     def _delete_oldest(self, new: Path) -> None:
         try:
@@ -396,18 +494,14 @@ class RingWriter(QueuedWriter):
         except OSError as error:
             log.error("%s: old files cannot be deleted: %s", self._path, error.strerror or error)
 
-    def _note_files(self) -> None:
-        self.files = saved_files(self._path)
-        self._finder.on_change()
-
     def _close_ring(self) -> None:
-        """Remove the short files; if a file could not be written for a cause, they stay for the next start."""
-        with suppress(OSError):
-            self._close_segment()
+        """Remove the short files. If one cannot be read, or a file not be written, they stay for the next start."""
         try:
-            if self._pending is None:
+            with suppress(OSError):
+                self._close_segment()
+            if self._pending is None and not any(path.exists() for path in self._unread):
                 self._ring.remove()
-        except OSError as error:
-            log.error("%s: cannot be removed: %s", self._ring.path, error.strerror or error)
+        except Exception as error:
+            log.error("%s: cannot be removed: %s", self._ring.path, getattr(error, "strerror", None) or error)
         finally:
             self._ring.release()

@@ -26,12 +26,16 @@ class IndexedSource:
         walks: the walk through each file; closed with the source.
         problems: lines to put before all others.
 
+    Attributes:
+        unread: these lines, and one for each damaged file without a readable message.
+
     Raises:
         RecordingError: files are damaged, and no message can be read.
     """
 
     def __init__(self, walks: Sequence[Walk], problems: Sequence[str] = ()) -> None:
         self._walks = walks
+        self.unread = tuple(problems)
         files = ExitStack()
         for walk in walks:
             files.callback(walk.close)
@@ -56,7 +60,10 @@ class IndexedSource:
             span_ns = int(np.ptp(times[inside])) if inside.size else 0
             own = (*damage_lines(walk.damage, len(inside), span_ns), *walk.problems)
             damaged += [walk] if own else []
-            lines += [f"{walk.name}: {line}" if len(walks) > 1 else line for line in own]
+            named_lines = [f"{walk.name}: {line}" if len(walks) > 1 else line for line in own]
+            lines += named_lines
+            if not inside.size:
+                self.unread += (*named_lines[:1],)
         if damaged and not order.size:
             self.close()
             raise nothing_readable(damaged[0])

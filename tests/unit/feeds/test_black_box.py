@@ -5,13 +5,16 @@ from __future__ import annotations
 import errno
 import logging
 import os
+import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import robowidgets
@@ -78,6 +81,11 @@ def there(folder: Path) -> list[str]:
 
 def fill_disk(*_: Any) -> None:
     raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def feel(monkeypatch: pytest.MonkeyPatch, box: Any, causes_in: Any) -> None:
+    """Replace the function that finds causes in messages."""
+    monkeypatch.setattr(box._writer, "_finder", replace(box._writer._finder, causes_in=causes_in))
 
 
 def test_a_file_has_the_minute_before_and_the_seconds_after_its_cause_which_it_marks(
@@ -154,11 +162,25 @@ def test_a_condition_that_becomes_true_is_a_cause_and_one_that_raises_is_reporte
         box = feed.black_box(when=[conditions.nearest_below(0.5), broken], after=0, folder=tmp_path)
         for distance in (1.0, 0.25, 0.3, 1.0):
             script.listener.on_message("/scan", scan(distance))
-            wait_for(lambda d=distance: box.watched[0].value is (d < 0.5), "it is judged")
+            wait_for(lambda d=distance: box._triggers[0].value is (d < 0.5), "it is judged")
         wait_for(lambda: len(box.files) == 1, "the file is there")
         wait_for(lambda: any("broken: switched off" in line for line in box.problems), "the error is reported")
         (path,) = box.files
     assert words(path) == ["nearest below 0.5 m: 0.25 < 0.50 m"]
+
+
+def test_a_condition_that_is_never_judged_is_reported(tmp_path: Path, clock: ManualClock) -> None:
+    script = Scripted(SCAN, ODOM)
+    with Feed(script, clock=clock) as feed:
+        view = feed.show("/odom")
+        box = feed.black_box("/odom", when=conditions.nearest_below(0.5), folder=tmp_path)
+        line = "nearest below 0.5 m: waiting for /scan"
+        wait_for(lambda: any(one.startswith(line) for one in box.problems), "it is a problem")
+        script.listener.on_message("/odom", {})
+        clock.advance(2.0)
+        wait_for(lambda: any(line in one for one in view.notes), "the screen shows it")
+        box.close()
+        assert not any(line in one for one in box.problems)
 
 
 def test_a_trigger_that_flaps_shares_files_and_each_time_is_a_mark(tmp_path: Path, clock: ManualClock) -> None:
@@ -181,6 +203,167 @@ def test_a_trigger_that_flaps_shares_files_and_each_time_is_a_mark(tmp_path: Pat
             box.save(f"flap {number}")
             pass_seconds(script, clock, 1)
         assert len(box.files) == 60 // ring_writer.BETWEEN, "four files a minute"
+
+
+def test_the_moment_of_a_cause_is_in_its_file_if_the_last_minute_has_too_many_bytes(
+    tmp_path: Path, clock: ManualClock
+) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=60, megabytes=1, folder=tmp_path)
+        for second in range(90):
+            if second == 40:
+                box.save("early")
+            script.listener.on_message("/scan", scan(*os.urandom(4000)))
+            clock.advance(1.0)
+        (path,) = box.files
+    with robowidgets.open(path) as recording:
+        (mark,) = recording.events(ring.CAUSES)
+        assert mark.seconds >= 2, "what was before it"
+        assert recording.duration - mark.seconds >= 2, "and after it"
+        times = [one.seconds for one in recording.scans("/scan")]
+        assert min(abs(time - mark.seconds) for time in times) <= 1
+
+
+def test_a_text_that_no_file_can_have_is_written_with_question_marks(tmp_path: Path, clock: ManualClock) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path)
+        pass_seconds(script, clock, 1)
+        box.save("half \ud83d of a smile")
+        clock.advance()
+        (path,) = box.files
+    assert words(path) == ["half ? of a smile"]
+
+
+def test_a_file_that_fails_for_any_reason_is_tried_again_and_closing_always_ends(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail(*_: Any) -> None:
+        raise ValueError("cannot be written")
+
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path)
+        pass_seconds(script, clock, 1)
+        with monkeypatch.context() as broken:
+            broken.setattr(ring_writer, "join", fail)
+            box.save("noise")
+            clock.advance()
+            assert box.problems[0].startswith("the file for “noise” waits: cannot be written")
+        clock.advance(ring_writer.RETRY)
+        assert [words(path) for path in box.files] == [["noise"]]
+        assert box.problems == ()
+        monkeypatch.setattr(ring_writer.RingWriter, "_trim", fail)
+        box.close()
+        assert not threads_named("robowidgets-recorder")
+        assert "error while closing" in caplog.text
+
+
+def test_a_file_is_written_while_messages_come_faster_than_they_are_written(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script, count = Scripted(SCAN), 0
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path)
+
+        def send_two(*_: Any) -> list[Any]:
+            nonlocal count
+            for _ in range(2 if count < 4000 and not box.files else 0):
+                count += 1
+                script.listener.on_message("/scan", scan())
+            return []
+
+        feel(monkeypatch, box, send_two)
+        box.save("noise")
+        script.listener.on_message("/scan", scan())
+        clock.advance()
+        assert len(box.files) == 1
+        assert count < 100
+
+
+def test_an_error_that_comes_again_and_again_begins_one_file_and_each_time_is_a_mark(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = Scripted(SCAN, DIAGNOSTICS)
+    monkeypatch.setattr(ring_writer, "MOST_CAUSES", 30)
+    flushed: list[float] = []
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box("/scan", after=10, folder=tmp_path)
+        flush = box._writer._flush_if_due
+
+        def note_flush() -> None:
+            is_due = box._writer._flush_at is not None and clock.now() >= box._writer._flush_at
+            flush()
+            flushed.extend([clock.now()] * is_due)
+
+        monkeypatch.setattr(box._writer, "_flush_if_due", note_flush)
+        box.save("important")
+        status = {"name": "battery", "message": "hot", "hardware_id": "", "values": []}
+        for _ in range(300):
+            for level in (0, 2) * 3:
+                script.listener.on_message("/diagnostics", {"header": {}, "status": [{**status, "level": level}]})
+            script.listener.on_message("/scan", scan())
+            clock.advance(0.25)
+        assert [path.name.split("_")[2] for path in box.files] == ["important"]
+        assert words(box.files[0])[0] == "important", "later causes do not push it out"
+        assert words(box.files[0]).count("battery: hot") >= 10
+        assert len(flushed) <= 2 * 75 + 2, "each second, and for causes once a second"
+        clock.advance(ring_writer.REPEATED)
+        for level in (0, 2):
+            script.listener.on_message("/diagnostics", {"header": {}, "status": [{**status, "level": level}]})
+        clock.advance(10.0)
+        assert len(box.files) == 2
+
+
+def test_a_large_message_that_holds_does_not_shorten_what_is_kept(tmp_path: Path, clock: ManualClock) -> None:
+    description = Advert("/robot_description", "std_msgs/msg/String", wanted=False)
+    script = Scripted(SCAN, description)
+    kept = []
+    for size in (10, 30_000, 60_000):
+        with Feed(script, clock=clock) as feed:
+            box = feed.black_box("/scan", "/robot_description", megabytes=1, folder=tmp_path)
+            script.listener.on_message("/robot_description", {"data": os.urandom(size // 2).hex()})
+            for _ in range(60):
+                script.listener.on_message("/scan", scan(*os.urandom(4000)))
+                clock.advance(1.0)
+            kept.append(box._writer.kept)
+            box.save(f"s{size}")
+            box.close()
+            (path,) = [path for path in box.files if f"_s{size}_" in path.name]
+            with robowidgets.open(path) as recording:
+                counts = {topic.name: topic.count for topic in recording.topics}
+        assert counts.get("/robot_description", 0) == (size < 1e6 / ring_writer.RING_SHARE / ring_writer.PARTS)
+    assert kept[1] == pytest.approx(kept[0], rel=0.2)
+    assert kept[2] == pytest.approx(kept[0], rel=0.2)
+
+
+def test_a_folder_that_is_deleted_is_made_again(tmp_path: Path, clock: ManualClock) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path / "box")
+        pass_seconds(script, clock, 3)
+        shutil.rmtree(tmp_path / "box")
+        pass_seconds(script, clock, 3)
+        box.save("after that")
+        pass_seconds(script, clock, 1)
+        (path,) = box.files
+        assert box.problems == ()
+    assert words(path) == ["after that"]
+    assert there(tmp_path / "box") == [path.name]
+
+
+def test_messages_that_wait_have_a_limit_in_bytes_over_all_topics(tmp_path: Path, clock: ManualClock) -> None:
+    finder = ring_writer.Finder(lambda *_: (), lambda: None, lambda: None)
+    writer = ring_writer.RingWriter(tmp_path, ring_writer.RingLimits(60, 5, 20, 10**9), finder, clock)
+    pixels = np.zeros(1_000_000, np.uint8)  # one for all
+    for number in range(100):
+        writer.add(f"/image{number % 2}", "sensor_msgs/msg/Image", number, {"header": {}, "data": pixels})
+    writer.add("/scan", "sensor_msgs/msg/LaserScan", 100, scan())
+    dropped = sorted(line.partition(" message")[0] for line in writer.problems)
+    writer.close()
+    assert dropped == ["/image0: 17", "/image1: 18"]
+    assert there(tmp_path) == []
 
 
 def test_what_still_holds_is_in_each_file_once(tmp_path: Path, clock: ManualClock) -> None:
@@ -235,6 +418,22 @@ def test_a_full_disk_is_reported_once_deletes_nothing_and_ends_when_there_is_roo
     assert words(box.files[1]) == ["meanwhile"]
 
 
+def test_a_full_disk_is_tried_again_without_a_message(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, folder=tmp_path)
+        with monkeypatch.context() as full:
+            full.setattr(ring_writer, "McapWriter", fill_disk)
+            pass_seconds(script, clock, 2)
+            clock.advance(30.0)
+            assert feed.connection.black_box == "black box: in trouble"
+        clock.advance(2 * ring_writer.RETRY)
+        assert feed.connection.black_box == "black box: last 60 s, 0 files"
+        assert box.problems == ()
+
+
 def test_a_file_that_finds_no_room_waits_and_has_no_partial_copy(
     tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -270,14 +469,15 @@ def test_two_kernels_share_a_folder_and_neither_takes_what_the_other_keeps(tmp_p
     assert [words(path) for path in files] == [["same"], ["same"]]
 
 
-def leave(folder: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch) -> str:
+def leave(folder: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch, **options: Any) -> str:
     """Leave the last minute of a kernel that ended; return its name."""
+    before = set(there(folder))
     script = Scripted(SCAN)
     with monkeypatch.context() as died, Feed(script, clock=clock) as feed:
         died.setattr(ring.Ring, "remove", ring.Ring.release)
-        feed.black_box(folder=folder)
+        feed.black_box(folder=folder, **options)
         pass_seconds(script, clock, 3)
-    (left,) = there(folder)
+    (left,) = set(there(folder)) - before
     return left
 
 
@@ -294,6 +494,76 @@ def test_a_command_writes_what_a_kernel_has_left(
         feed.black_box(folder=tmp_path)
         assert main(["repair", str(tmp_path)]) == 0
         assert capsys.readouterr().out.startswith("Nothing is left to write in ")
+    assert main(["repair", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.startswith("Nothing is left to write in ")
+    assert there(tmp_path) == [name]
+
+
+def test_what_cannot_be_read_is_reported_and_stays(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    left = tmp_path / leave(tmp_path, clock, monkeypatch, seconds=6)
+    damaged = sorted(left.glob("*.mcap"))[1]
+    damaged.write_bytes(b"\0" * 100)
+    (path,), (problem,) = ring.recover(tmp_path)
+    assert problem.startswith(f"{left.name}, the last minute of an earlier kernel, stays: {damaged.name}: expected an ")
+    assert there(left) == [damaged.name, "lock"]
+    assert words(path) == [ring.DIED]
+    assert ring.recover(tmp_path) == ([], [problem]), "it is not written again"
+
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(seconds=6, after=0, folder=tmp_path / "runs")
+        pass_seconds(script, clock, 4)
+        (runs,) = (tmp_path / "runs").iterdir()
+        damaged = sorted(runs.glob("*.mcap"))[1]
+        damaged.write_bytes(b"\0" * 100)
+        box.save("noise")
+        clock.advance()
+        (path,) = box.files
+        assert box.problems[0].startswith(f"{path.name} lacks a part: {damaged.name}: expected an MCAP file")
+        assert "lacks a part" in caplog.text
+    assert damaged.exists()
+
+
+def test_a_file_of_another_program_stays_and_does_not_stop_the_rest(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / ".ring_0000" / "lock").mkdir(parents=True)
+    left = tmp_path / leave(tmp_path, clock, monkeypatch)
+    (left / "1_notes.mcap").touch()
+    (path,), problems = ring.recover(tmp_path)
+    assert words(path) == [ring.DIED]
+    assert "it is not known if that kernel runs (lock: Is a directory)" in problems[0]
+    assert problems[1].endswith("stays: it has files of other programs: 1_notes.mcap")
+    done = left.name.replace("ring", "done")
+    assert there(tmp_path) == sorted([".ring_0000", done, path.name])
+    written, again = ring.recover(tmp_path)
+    assert written == []
+    assert sorted(again)[0].startswith(done)
+    (tmp_path / done / "1_notes.mcap").unlink()
+    ring.recover(tmp_path)
+    assert there(tmp_path) == [".ring_0000", path.name]
+
+
+def test_without_locks_of_the_system_what_could_not_be_written_is_tried_again(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ring, "fcntl", None)  # as on Windows
+    left = tmp_path / leave(tmp_path, clock, monkeypatch)
+    with monkeypatch.context() as full:
+        full.setattr(ring, "McapWriter", fill_disk)
+        written, (problem,) = ring.recover(tmp_path)
+        assert written == []
+        assert "No space left on device" in problem
+    (left / "lock").rename(tmp_path / "lock")
+    written, (problem,) = ring.recover(tmp_path)
+    assert written == []
+    assert "it is not known if that kernel runs (lock: No such file or directory)" in problem
+    (tmp_path / "lock").rename(left / "lock")
+    (path,), problems = ring.recover(tmp_path)
+    assert problems == []
+    assert there(tmp_path) == [path.name]
 
 
 def test_what_a_kernel_has_left_stays_until_it_can_be_written(
@@ -305,7 +575,7 @@ def test_what_a_kernel_has_left_stays_until_it_can_be_written(
         full.setattr(ring, "McapWriter", fill_disk)
         box = feed.black_box(folder=tmp_path)
         clock.advance()
-        assert box.problems == (f"{left} of a kernel that ended stays: No space left on device",)
+        assert box.problems == (f"{left}, the last minute of an earlier kernel, stays: No space left on device",)
     assert there(tmp_path) == [left]
     with Feed(script, clock=clock) as feed:
         box = feed.black_box(folder=tmp_path)
@@ -336,6 +606,42 @@ def test_the_oldest_files_are_deleted_by_number_and_by_size_and_no_others(tmp_pa
     assert (tmp_path / "run.mcap").exists()
 
 
+def test_names_of_the_user_that_are_similar_are_left_alone(tmp_path: Path, clock: ManualClock) -> None:
+    for name in ("drive_2", "drive_ab12", "drive-ab12"):
+        (tmp_path / f"2026-11-29_13-02-24_{name}.mcap").touch()
+    (tmp_path / "2026-11-29_13-02-24_link_blackbox-1-ab12.mcap").symlink_to(tmp_path)
+    (tmp_path / "2026-11-29_13-02-24_folder_blackbox-2-ab12.mcap").mkdir()
+    for name in (".ring_data", ".ring_ab12"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "lock").touch()
+        (tmp_path / name / "drive.mcap").touch()
+    before = {*tmp_path.rglob("*")}
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, files=1, folder=tmp_path)
+        pass_seconds(script, clock, 1)
+        assert box.problems == (
+            ".ring_ab12, the last minute of an earlier kernel, stays: it has files of other programs: drive.mcap",
+        )
+        for _ in range(2):
+            box.save()
+            pass_seconds(script, clock, 20)
+        (path,) = box.files
+    assert {*tmp_path.rglob("*")} == {*before, path}
+
+
+def test_the_newest_files_stay_after_the_clock_of_the_computer_went_back(tmp_path: Path, clock: ManualClock) -> None:
+    (tmp_path / "2099-01-01_00-00-00_old_blackbox-9-ab12.mcap").touch()
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(after=0, files=2, folder=tmp_path)
+        pass_seconds(script, clock, 1)
+        for name in ("a", "b"):
+            box.save(name)
+            pass_seconds(script, clock, 20)
+        assert [words(path) for path in box.files] == [["a"], ["a", "b"]]
+
+
 def test_it_keeps_what_the_screen_shows_and_the_screen_shows_that_it_runs(tmp_path: Path, clock: ManualClock) -> None:
     script = Scripted(SCAN, ODOM, IMU, CMD_VEL)
     with Feed(script, clock=clock) as feed:
@@ -346,9 +652,18 @@ def test_it_keeps_what_the_screen_shows_and_the_screen_shows_that_it_runs(tmp_pa
         pass_seconds(script, clock, 2)
         assert script.followed == {"/scan", "/cmd_vel"}
         view.close()
+        with pytest.raises(TypeError, match="condition: expected a function of one moment"):
+            feed.black_box("/imu", when={"x": 3}, folder=tmp_path)
+        assert not box.closed
+        assert feed.connection.black_box == "black box: last 60 s, 0 files"
+        assert len(there(tmp_path)) == 1, "the wrong one has left nothing"
+        box.save("before")
         feed.black_box("/imu", folder=tmp_path)
         assert box.closed
-        assert script.followed == {"/imu"}
+        assert script.followed == {"/imu", "/cmd_vel"}, "speeds are always kept"
+        assert feed.connection.black_box == "black box: last 60 s, 1 file"
+        box.close()
+        assert feed.connection.black_box == "black box: last 60 s, 1 file"
     assert feed.connection.black_box == ""
 
 
@@ -371,11 +686,43 @@ def test_closing_in_the_thread_that_writes_waits_for_nothing(
     script = Scripted(SCAN)
     with Feed(script, clock=clock) as feed:
         box = feed.black_box(folder=tmp_path)
-        monkeypatch.setattr(box, "causes_in", lambda *_: box.close() or ["the last"])
+        feel(monkeypatch, box, lambda *_: box.close() or [ring_writer.FoundCause("the last")])
         script.listener.on_message("/scan", scan())
         clock.advance()  # by no time
         (path,) = box.files
         assert there(tmp_path) == [path.name]
+
+
+def test_a_forked_process_has_no_black_box(tmp_path: Path, clock: ManualClock) -> None:
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box(folder=tmp_path)
+        feed.connection.is_forked = True
+        with pytest.raises(FeedError, match="belongs to the parent of this forked process"):
+            box.save()
+        box.close()
+        feed.connection.is_forked = False
+        clock.advance()
+        assert threads_named("robowidgets-recorder") == 1, "it did not wait for a thread"
+
+
+def test_closing_again_completes_what_an_interrupt_cut_short(
+    tmp_path: Path, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    script = Scripted(SCAN)
+    with Feed(script, clock=clock) as feed:
+        box = feed.black_box("/scan", folder=tmp_path)
+        with monkeypatch.context() as interrupted:
+            interrupted.setattr(feed.connection, "detach", interrupt)
+            with pytest.raises(KeyboardInterrupt):
+                box.close()
+        box.close()
+        assert script.followed == set()
+        assert there(tmp_path) == []
+        assert feed.connection.black_box == ""
 
 
 @pytest.mark.parametrize(
@@ -386,6 +733,7 @@ def test_closing_in_the_thread_that_writes_waits_for_nothing(
         ({"files": 0}, "files: expected 1 or more, got 0"),
         ({"files": 1.5}, "files: expected a whole number, got 1.5"),
         ({"megabytes": 0}, "megabytes: expected 1 or more, got 0"),
+        ({"folder": ""}, "folder: expected the path of a folder, got an empty text"),
         ({"folder": 3}, "folder: expected the path of a folder, got 3"),
         ({"when": lambda scan: scan}, "when: a lambda has no name"),
         ({"when": {"x": 3}}, "condition: expected a function of one moment"),
