@@ -43,7 +43,7 @@ class FleetTable(HasTable):
         files: all recordings that were named.
         unread: the recordings that could not be read.
         until: the number of recordings that were read before an interrupt, or None for all.
-        note: a line for the user.
+        note: a line for the user, or empty.
     """
 
     _types: ClassVar[Mapping[str, RowType]]
@@ -55,7 +55,7 @@ class FleetTable(HasTable):
         self.files = tuple(files)
         self.unread = tuple(unread)
         self.until = until
-        self._note = note
+        self.note = note
 
     @property
     def is_complete(self) -> bool:
@@ -117,8 +117,8 @@ class FleetTable(HasTable):
         if not self.is_complete:
             yield f"stopped after {self.until:,} of {many(len(self.files), 'file')}: the same call continues"
         yield from not_read(self.unread)
-        if self._note:
-            yield self._note
+        if self.note:
+            yield self.note
 
 
 def not_read(unread: Sequence[Unread]) -> Iterator[str]:

@@ -33,7 +33,7 @@ from ._kept import states_of
 from ._topics import chosen_of
 from .drive_table import DriveTable
 from .hits import Hits
-from .places import PathLike
+from .places import PathLike, places_in_index
 from .rate_comparison import RateComparison, SearchedSet
 from .search import hits_of, search
 from .statistics import By, Statistics, statistics
@@ -150,19 +150,7 @@ class Drives(HasTable):
             TypeError: as for `find`.
         """
         wanted = condition(given)
-        return hits_of(wanted, self._search(wanted, self.candidates(wanted, check=check), executor, longest, keep))
-
-    def _search(self, wanted: Condition, asked: list[str], executor: Any, longest: float, keep: bool) -> FromAll:
-        """Return the results of a search through some of these recordings, with a line on the others."""
-        ruled_out = len(self) - len(asked)
-        found = FromAll({}, {"unread": [], "until": None, "note": ""})
-        if asked:
-            found = search(wanted, asked, self.topics, executor, longest, keep)
-        until = found.rows["until"]
-        told = f"by the index {many(ruled_out, 'file')} had no such moment, and were not read" if ruled_out else ""
-        files = self.index_file.files.to_pylist()
-        found.rows.update(files=files, until=until and until + ruled_out, told=told)
-        return found
+        return hits_of(wanted, _search(self, wanted, self.candidates(wanted, check=check), executor, longest, keep))
 
     def table(
         self,
@@ -237,8 +225,9 @@ class Drives(HasTable):
     ) -> RateComparison:
         """Return how often a condition becomes true per hour in these drives and in others, with the difference.
 
-        Both are searched by `find`. The interval of the difference is computed, not drawn by lot: equal for equal
-        drives. `RateComparison.by_file` and `RateComparison.by_place` show where the spans are.
+        Both are searched by `find`. Time counts if the condition is true or false: not while it is unknown, such as
+        without a scan. The interval of the difference is computed, not drawn by lot: equal for equal drives.
+        `RateComparison.by_file` and `RateComparison.by_place` show the spans. An interrupt ends both searches.
 
         Args:
             other: the other drives, such as the ones of a new version.
@@ -249,7 +238,8 @@ class Drives(HasTable):
             keep: as for `find`.
 
         Raises:
-            TypeError: ``other`` is not an index, or as for `find`.
+            TypeError: ``other`` is not an index, or as for `find`. RecordingError: files of a folder have the same
+                recording.
 
         Example:
             >>> old.compare(new, robowidgets.conditions.touched())  # doctest: +SKIP
@@ -257,14 +247,22 @@ class Drives(HasTable):
         if not isinstance(other, Drives):
             raise TypeError(f"compare(): expected drives of another index, as from robowidgets.drives(), got {other!r}")
         wanted = condition(given)
-        sets = [
-            SearchedSet(
-                drives.path.stem if self.path.stem != other.path.stem else str(drives.path),
-                drives.find(wanted, check=check, executor=executor, longest=longest, keep=keep),
-                drives.index_file,
-            )
-            for drives in (self, other)
-        ]
+        for drives in (self, other):
+            if drives.index_file.has_repeats:
+                raise RecordingError(
+                    f"{drives.path.name} has a recording in several of its files, so its hours would count twice: "
+                    "index the recordings in one file"
+                )
+        sets: list[SearchedSet] = []
+        for drives in (self, other):
+            found, known = FromAll({}, {"files": drives.files, "unread": [], "until": 0, "note": ""}), {}
+            if not sets or sets[0].hits.is_complete:
+                known = _ruled_out(drives, wanted, check)
+                asked = [file for file in drives.files if file not in known]
+                found = _search(drives, wanted, asked, executor, longest, keep)
+            known |= {file: result["known"] for file, result in found.results.items()}
+            name = drives.path.stem if self.path.stem != other.path.stem else str(drives.path)
+            sets.append(SearchedSet(name, hits_of(wanted, found), drives.index_file, known))
         return RateComparison(str(wanted), *sets)
 
     def _group_by(self, by: str) -> dict[str, str]:
@@ -285,6 +283,31 @@ class Drives(HasTable):
 def drives(path: PathLike) -> Drives:
     """Open an index that `index` wrote; see `Drives`."""
     return Drives(path)
+
+
+def _search(drives: Drives, wanted: Condition, asked: list[str], executor: Any, longest: float, keep: bool) -> FromAll:
+    """Return the results of a search through some of the recordings, with a line on the others."""
+    ruled_out = len(drives) - len(asked)
+    found = FromAll({}, {"unread": [], "until": None, "note": ""})
+    if asked:
+        found = search(wanted, places_in_index(asked), drives.topics, executor, longest, keep)
+    until = found.rows["until"]
+    told = f"by the index {many(ruled_out, 'file')} had no such moment, and were not read" if ruled_out else ""
+    files = drives.index_file.files.to_pylist()
+    found.rows.update(files=files, until=until and until + ruled_out, told=told)
+    return found
+
+
+def _ruled_out(drives: Drives, wanted: Condition, check: bool) -> dict[str, float]:
+    """Return the recordings that need no search, with the seconds in which the condition was false.
+
+    Recordings without a topic of the condition are not among them, because only a search reports them.
+    """
+    seconds, lacks = drives.index_file.ruled_out(wanted)
+    files = drives.index_file.files
+    asked = {*drives.candidates(wanted, check=check), *files.filter(lacks).to_pylist()}
+    known = zip(files.to_pylist(), seconds.tolist(), strict=True)
+    return {file: one for file, one in known if file not in asked}
 
 
 def is_index(paths: Sequence[PathLike]) -> bool:

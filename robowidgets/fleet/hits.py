@@ -89,7 +89,7 @@ class Hits(FleetTable, Sequence[Hit]):
 
     def only(self, hits: Sequence[Hit]) -> Hits:
         """Return the same results with only some of the hits."""
-        rows: dict[str, Any] = {"files": self.files, "unread": self.unread, "until": self.until, "note": self._note}
+        rows: dict[str, Any] = {"files": self.files, "unread": self.unread, "until": self.until, "note": self.note}
         return Hits(
             self.condition if self._wanted is None else self._wanted,
             hits,

@@ -19,6 +19,7 @@ from ._fleet_table import SHOWN, FleetTable, Unread, not_read, short
 from ._gather import gather
 from ._tally import ERROR, Tally
 from ._topics import chosen_of
+from .places import places_in_index
 
 By = str | Mapping[str, Any] | Callable[[str], Any]
 _COUNTS = ("drives", "count", "unknown", "inf", "minus_inf")
@@ -145,7 +146,7 @@ def statistics(
     column = "" if by is None else by if isinstance(by, str) else "group"
     sink = _Sink(groups)
     job = _Job(tuple(zip(names, given, strict=True)), topics, by if groups is None and isinstance(by, str) else "")
-    gathered = gather(job, files, sink, "Reading values", executor=executor, longest=longest)
+    gathered = gather(job, places_in_index(files), sink, "Reading values", executor=executor, longest=longest)
     rows = gathered.rows
     rows["unread"] = [*rows["unread"], *sink.lacking]
     if not sink.tallies and rows["until"] is None:

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from math import nan
 from pathlib import Path
-from shutil import copy
+from shutil import copy, rmtree
 from signal import SIGINT
 from threading import Event, current_thread, main_thread
 from typing import Any
@@ -333,3 +333,23 @@ def test_the_command_writes_an_index_and_searches_by_it(
     assert "--field needs --follow" in capsys.readouterr().err
     assert main(["index", *files, "-o", "drives.csv"]) == 2
     assert "expected a name that ends in .parquet" in capsys.readouterr().err
+
+
+def test_a_folder_of_the_index_stays_one_recording_without_its_metadata(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    for name in ("lost", "whole", "gone"):
+        messages = [(float(second), "/level", {"data": 1.0}) for second in range(5)]
+        recorded.write(tmp_path / "runs" / name, {"/level": "std_msgs/msg/Float64"}, messages)
+    found = index(tmp_path / "runs", output=tmp_path / "drives.parquet", executor=Here())
+    sample = index(robowidgets.SAMPLE, output=tmp_path / "sample.parquet", executor=Here())
+    lost, whole = (str(tmp_path / "runs" / name) for name in ("lost", "whole"))
+    (Path(lost) / "metadata.yaml").unlink()
+    rmtree(tmp_path / "runs" / "gone")
+    hits = found.find(conditions.field("/level.data") > 0, executor=Here())
+    assert [hit.file for hit in hits] == [lost, whole]
+    assert [(Path(one.file).name, one.problem) for one in hits.unread] == [("gone", "no such file or folder")]
+    table = found.statistics("/level.data", by="file", executor=Here())
+    assert table.to_arrow()["file"].to_pylist() == [lost, whole]
+    assert set(found.table("/level.data", executor=Here()).to_arrow()["file"].to_pylist()) == {lost, whole}
+    both = found.compare(sample, conditions.field("/level.data") > 0, executor=Here())
+    assert {row["file"] for row in both.by_file().to_arrow().to_pylist()} == {lost, whole}
