@@ -84,7 +84,8 @@ class RateComparison(FleetTable):
     A row for each set, and one for the ``difference``, the second minus the first. The columns: ``set``, ``drives``
     that could be searched, the ``hours`` in which the condition was true or false, not unknown, ``count`` of the spans,
     ``per_hour``, and the ends ``low`` and ``high`` of its interval of 95 %. The hours of a drive that was ruled out are
-    by the index, a row until the next one, so a silence of all topics counts. If not all drives were reached, the difference is unknown.
+    by the index, a row until the next one, so a silence of all topics counts. If not all drives were reached, the
+    difference is unknown, and with one drive in a set its interval.
 
     Args:
         condition: the text of the condition.
@@ -116,8 +117,8 @@ class RateComparison(FleetTable):
         self.before, self.after = both
         """The spans in each set, as `Hits`."""
         self._exposures = before.exposure(), after.exposure()
-        *self._rates, self.difference, self.spread = rates_of(*self._exposures)
-        """The difference per hour with its interval; and the variance between drives, 1 for a Poisson rate."""
+        *self._rates, self.difference, self.spreads = rates_of(*self._exposures)
+        """The difference per hour with its interval; and by set the variance between drives, 1 for Poisson rates."""
         if not self.is_complete:
             self.difference = Rate(nan, nan, nan)
 
@@ -202,13 +203,16 @@ class RateComparison(FleetTable):
         rows = [tuple(_shown(row.get(head)) for head in heads) for row in self._rows()]
         if not self.is_complete:
             verdict = "not all drives were searched"
-        elif not isfinite(self.difference.low):
+        elif not isfinite(self.difference.per_hour):
             verdict = "one of the sets has no drive that could be searched"
+        elif not isfinite(self.difference.low):
+            verdict = "unknown with one drive in a set"
         elif self.is_different:
             verdict = f"{self._sets[1].name} has {'more' if self.difference.per_hour > 0 else 'fewer'} per hour"
         else:
             verdict = "the sets do not differ beyond chance"
-        notes = [f"  low and high: 95 % (Poisson, MOVER; variance between drives: {self.spread:.3g})"]
+        spreads = ", ".join(f"{spread:.3g}" if isfinite(spread) else "unknown" for spread in self.spreads)
+        notes = [f"  low and high: 95 % (Poisson, MOVER; variance between drives: {spreads})"]
         return Table(f"{self.condition}: {verdict}", heads, rows, range(1, len(heads)), notes, list(self._complaints()))
 
 

@@ -271,27 +271,69 @@ def exposure(counts: Any, hours: Any) -> Exposure:
 
 def test_rates_have_the_limits_of_tables_of_the_poisson_distribution() -> None:
     # Exact limits (Garwood) of 10 events: 4.795 to 18.39; of 0 events: at most 3.689.
-    first, second, difference, spread = rates_of(exposure([10], [1]), exposure([0], [1]))
+    first, second, difference, spreads = rates_of(exposure([5, 5], [0.5, 0.5]), exposure([0, 0], [0.5, 0.5]))
     assert (first.low, first.high) == pytest.approx((4.795, 18.39), rel=0.01)
     assert (second.low, second.high) == pytest.approx((0, 3.689), rel=0.01)
     assert difference.per_hour == -10
     assert difference.low < -10 < difference.high < 0
-    assert spread == 1
+    assert spreads == (1, 1)
     nothing, _, unknown, _ = rates_of(exposure([], []), exposure([1], [1]))
     assert np.isnan([*nothing, *unknown]).all()
 
 
-@pytest.mark.parametrize(("drives", "bursts", "least"), [(10, None, 0.95), (10, 0.3, 0.88), (50, 1.0, 0.9)])
+def test_one_drive_has_no_spread_and_drives_without_hours_are_none() -> None:
+    first, second, difference, spreads = rates_of(exposure([10, 0, 0], [1, 0, 0]), exposure([9, 0], [1, 1]))
+    assert first.per_hour == 10
+    assert np.isnan([first.low, first.high, difference.low, difference.high, spreads[0]]).all()
+    assert difference.per_hour == -5.5
+    assert np.isfinite([*second, spreads[1]]).all()
+    counts, hours = [9, 0, 0], [1, 1, 1]
+    found = rates_of(exposure(counts, hours), exposure(counts, hours))
+    assert found == rates_of(exposure([*counts, 0], [*hours, 0]), exposure([*counts, 0, 0], [*hours, 0, 0]))
+
+
+def test_bursts_in_a_small_set_are_not_hidden_by_a_large_quiet_one() -> None:
+    bursts, quiet = exposure([50, *[0] * 9], [1] * 10), exposure([0] * 1000, [1] * 1000)
+    _, _, difference, spreads = rates_of(bursts, quiet)
+    assert spreads == pytest.approx((50, 1))
+    assert difference.low < -20
+    assert difference.high > -0.1
+
+
+def test_one_drive_in_a_set_gives_no_verdict(sets: tuple[Drives, Drives], tmp_path: Path) -> None:
+    drive(tmp_path, "one", [])
+    one = index(tmp_path / "one", output=tmp_path / "one.parquet", fields="/bump.data", executor=Here())
+    found = sets[0].compare(one, BUMP, executor=Here())
+    assert not found.is_different
+    assert found.difference.per_hour < 0
+    assert "unknown with one drive in a set" in repr(found)
+    assert "variance between drives: 1.8, unknown" in repr(found)
+    nothing = index(sets[1].files[2], output=tmp_path / "nothing.parquet", executor=Here())
+    none = sets[0].compare(nothing, BUMP, executor=Here())
+    assert not none.is_different
+    assert "one of the sets has no drive that could be searched" in repr(none)
+
+
+@pytest.mark.parametrize(
+    ("drives", "rates", "bursts", "least"),
+    [
+        ((10, 10), (2.0, 3.0), (None, None), 0.95),
+        ((10, 10), (2.0, 3.0), (0.3, 0.3), 0.88),
+        ((50, 50), (2.0, 3.0), (1.0, 1.0), 0.9),
+        ((10, 300), (2.0, 2.0), (0.3, None), 0.82),
+        ((10, 1000), (2.0, 0.2), (0.3, 0.3), 0.82),
+    ],
+)
 def test_the_interval_contains_the_difference_as_often_as_it_should(
-    drives: int, bursts: float | None, least: float
+    drives: tuple[int, int], rates: tuple[float, float], bursts: tuple[float | None, float | None], least: float
 ) -> None:
     random, hit, times = np.random.default_rng(5), 0, 300
     for _ in range(times):
         sets = []
-        for rate in (2.0, 3.0):
-            hours = random.uniform(0.3, 1.5, drives)
-            usual = rate * hours * (1 if bursts is None else random.gamma(bursts, 1 / bursts, drives))
+        for count, rate, burst in zip(drives, rates, bursts, strict=True):
+            hours = random.uniform(0.3, 1.5, count)
+            usual = rate * hours * (1 if burst is None else random.gamma(burst, 1 / burst, count))
             sets.append(Exposure(random.poisson(usual), hours))
         _, _, difference, _ = rates_of(*sets)
-        hit += difference.low <= 1.0 <= difference.high
+        hit += difference.low <= rates[1] - rates[0] <= difference.high
     assert least <= hit / times <= 0.995
