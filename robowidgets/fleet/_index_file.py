@@ -74,7 +74,27 @@ class IndexFile:
         self.identity: str | None = about["identity"]
         self._texts = {*_OF_DRIVE, *TEXTS, *self.fields}
         as_dictionary = dataset.ParquetReadOptions(dictionary_columns=self._texts)
-        self.dataset = dataset.dataset(path, format=dataset.ParquetFileFormat(read_options=as_dictionary))
+        self._dataset = dataset.dataset(path, format=dataset.ParquetFileFormat(read_options=as_dictionary))
+        self._name, self._states_of_files = path.name, self._state()
+
+    @property
+    def dataset(self) -> Any:
+        """The rows as a pyarrow dataset.
+
+        Raises:
+            RecordingError: the index was written again since.
+        """
+        if self._state() != self._states_of_files:
+            raise RecordingError(f"{self._name} was written again, or removed: open it again by robowidgets.drives()")
+        return self._dataset
+
+    def _state(self) -> list[tuple[int, int, int] | None]:
+        """Return the state of each file, or None for a missing one."""
+        found = []
+        for file in map(Path, self._dataset.files):
+            there = file.stat() if file.exists() else None
+            found.append(there and (there.st_ino, there.st_mtime_ns, there.st_size))
+        return found
 
     @cached_property
     def files(self) -> Any:

@@ -67,7 +67,6 @@ class Drives(HasTable):
         self.path = Path(os.fsdecode(path)).expanduser().absolute()
         self.index_file = IndexFile(self.path)
         """Its drives as arrays."""
-        self.dataset = self.index_file.dataset
         self.topics = self.index_file.topics
         """Names and patterns of preferred topics, for recordings with several topics of a kind."""
         self.fields = self.index_file.fields
@@ -76,6 +75,11 @@ class Drives(HasTable):
 
     def __len__(self) -> int:
         return len(self.index_file.files)
+
+    @property
+    def dataset(self) -> Any:
+        """The rows as a pyarrow dataset; raises RecordingError if the index was written again since."""
+        return self.index_file.dataset
 
     @cached_property
     def files(self) -> tuple[str, ...]:
@@ -238,8 +242,8 @@ class Drives(HasTable):
             keep: as for `find`.
 
         Raises:
-            TypeError: ``other`` is not an index, or as for `find`. RecordingError: files of a folder have the same
-                recording.
+            TypeError: ``other`` is not an index, or as for `find`. ValueError: it is this index. RecordingError: files
+                of a folder have the same recording.
 
         Example:
             >>> old.compare(new, robowidgets.conditions.touched())  # doctest: +SKIP
@@ -247,6 +251,8 @@ class Drives(HasTable):
         if not isinstance(other, Drives):
             raise TypeError(f"compare(): expected drives of another index, as from robowidgets.drives(), got {other!r}")
         wanted = condition(given)
+        if self.path.resolve() == other.path.resolve():
+            raise ValueError(f"compare(): expected another index, got {self.path.name} twice")
         for drives in (self, other):
             if drives.index_file.has_repeats:
                 raise RecordingError(

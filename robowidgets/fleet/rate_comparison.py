@@ -11,8 +11,9 @@ import numpy as np
 
 from ..recordings.columns.tables import RowType, library, number, text, whole
 from ..runtime.tables import Table
+from ..runtime.text import many
 from ..samples.checks import number as checked_number
-from ._fleet_table import SHOWN, FleetTable, short
+from ._fleet_table import SHOWN, FleetTable, cell_of, short, with_problems
 from ._index_file import IndexFile
 from ._rates import Exposure, Rate, rates_of
 from .hits import Hits
@@ -66,13 +67,10 @@ class RateTable(FleetTable):
     def _rows(self) -> Iterator[Mapping[str, Any]]:
         yield from self._found
 
-    def _all(self) -> Iterator[Mapping[str, Any]]:
-        return self._rows()
-
     def _table(self) -> Table:
         heads = tuple(self._columns_of)
         names = short([row["file"] for row in self._found[:SHOWN]]) if "file" in heads else {}
-        rows = [tuple(_shown(names.get(row[head], row[head])) for head in heads) for row in self._found[:SHOWN]]
+        rows = [tuple(cell_of(names.get(row[head], row[head])) for head in heads) for row in self._found[:SHOWN]]
         more = [f"  ... and {len(self) - SHOWN:,} more"] if len(self) > SHOWN else []
         right = [i for i, kind in enumerate(self._columns_of.values()) if kind is not text]
         return Table(self._heading, heads, rows, right, more)
@@ -108,11 +106,14 @@ class RateComparison(FleetTable):
         until = [len(hits.files) if hits.until is None else hits.until for hits in both]
         super().__init__(
             [*both[0].files, *both[1].files],
-            [*both[0].unread, *both[1].unread],
+            list(dict.fromkeys([*both[0].unread, *both[1].unread])),
             None if all(hits.is_complete for hits in both) else sum(until),
             "; ".join(dict.fromkeys(hits.note for hits in both if hits.note)),
         )
         self.condition = condition
+        self.problems = {**both[0].problems, **both[1].problems}
+        """The problems of recordings that were searched, as in `Recording.problems`: spans may be missing."""
+        self._in_both = len({*both[0].files} & {*both[1].files})
         self._sets = before, after
         self.before, self.after = both
         """The spans in each set, as `Hits`."""
@@ -195,12 +196,16 @@ class RateComparison(FleetTable):
             }
         yield {"set": "difference", **_plain(self.difference)}
 
-    def _all(self) -> Iterator[Mapping[str, Any]]:
-        return self._rows()
+    def _complaints(self) -> Iterator[str]:
+        if self._in_both:
+            are = "is" if self._in_both == 1 else "are"
+            yield f"{many(self._in_both, 'recording')} {are} in both sets"
+        yield from super()._complaints()
+        yield from with_problems(self.problems)
 
     def _table(self) -> Table:
         heads = tuple(self._types)
-        rows = [tuple(_shown(row.get(head)) for head in heads) for row in self._rows()]
+        rows = [tuple(cell_of(row.get(head)) for head in heads) for row in self._rows()]
         if not self.is_complete:
             verdict = "not all drives were searched"
         elif not isfinite(self.difference.per_hour):
@@ -218,12 +223,6 @@ class RateComparison(FleetTable):
 
 def _plain(rate: Rate) -> dict[str, float | None]:
     return {name: value if isfinite(value) else None for name, value in rate._asdict().items()}
-
-
-def _shown(value: Any) -> str:
-    if value is None:
-        return ""
-    return f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else str(value)
 
 
 def _difference(row: Mapping[str, Any]) -> float:

@@ -15,7 +15,7 @@ from ..repair import RecordingError, natural
 from ..runtime.tables import Table
 from ..runtime.text import many
 from ..samples.checks import number as checked_number
-from ._fleet_table import SHOWN, FleetTable, Unread, not_read, short
+from ._fleet_table import SHOWN, FleetTable, Unread, cell_of, not_read, short
 from ._gather import gather
 from ._tally import ERROR, Tally
 from ._topics import chosen_of
@@ -81,14 +81,11 @@ class Statistics(FleetTable):
                 "max": tally.most if tally.count else None,
             }
 
-    def _all(self) -> Iterator[Mapping[str, Any]]:
-        return self._rows()
-
     def _table(self) -> Table:
         heads = tuple(self._kinds())
         rows = [row for row, _ in zip(self._rows(), range(SHOWN), strict=False)]
         names = short([row["file"] for row in rows]) if self._group == "file" else {}
-        cells = [tuple(names.get(row[head]) or _shown(row[head]) for head in heads) for row in rows]
+        cells = [tuple(names.get(row[head]) or cell_of(row[head]) for head in heads) for row in rows]
         more = [f"  ... and {len(self) - SHOWN:,} more"] if len(self) > SHOWN else []
         if not self.is_exact:
             more.append(f"  quantiles of many values differ by {ERROR:.1%} of their size at most")
@@ -106,12 +103,6 @@ def _name(part: float) -> str:
 
 def _or_none(value: float) -> float | None:
     return None if isnan(value) else value
-
-
-def _shown(value: Any) -> str:
-    if value is None:
-        return ""
-    return f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else str(value)
 
 
 def statistics(

@@ -237,6 +237,26 @@ def test_a_recording_in_several_files_of_an_index_is_refused(sets: tuple[Drives,
         sets[1].compare(Drives(tmp_path / "days"), BUMP)
 
 
+def test_recordings_in_both_sets_or_with_problems_are_reported_once(
+    sets: tuple[Drives, Drives], tmp_path: Path
+) -> None:
+    file = tmp_path / "old" / "b" / "b.mcap"
+    file.write_bytes(file.read_bytes()[:-3000])
+    parts = (tmp_path / "old", tmp_path / "new")
+    old, new = (
+        index(*some, output=tmp_path / f"{i}.parquet", fields="/bump.data", executor=Here())
+        for i, some in enumerate((parts, parts[1:]))
+    )
+    found = old.compare(new, BUMP, executor=Here())
+    assert [Path(one.file).name for one in found.unread] == ["e"]
+    lines = [line for line in repr(found).splitlines() if line.startswith("!")]
+    assert lines[0] == "! 3 recordings are in both sets"
+    assert lines[2:] == ["! 1 file with problems, in .problems: b"]
+    assert [Path(name).name for name in found.problems] == ["b"]
+    with pytest.raises(ValueError, match=r"expected another index, got 0.parquet twice"):
+        old.compare(Drives(old.path), BUMP)
+
+
 def test_only_an_index_is_compared(sets: tuple[Drives, Drives]) -> None:
     with pytest.raises(TypeError, match="expected drives of another index"):
         sets[0].compare("new.parquet", BUMP)  # type: ignore[arg-type]
