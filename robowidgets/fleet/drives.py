@@ -186,14 +186,15 @@ class Drives(HasTable):
         self,
         *fields: str | conditions.Field,
         by: By | None = None,
-        quantiles: Sequence[float] = (0.05, 0.5, 0.95),
+        quantiles: Iterable[float] = (0.05, 0.5, 0.95),
         executor: Any = None,
         longest: float = LONGEST,
     ) -> Statistics:
         """Return counts, mean, limits and quantiles of numbers in all these recordings, each message counted once.
 
         The recordings are read message by message. Quantiles are exact up to 100,000 different values in a group;
-        beyond, they differ from the exact ones by 0.1 % of their size at most, in any order of the recordings.
+        beyond, they differ from the exact ones by 0.1 % of the size of the neighbouring values at most, in any order of
+        the recordings.
 
         Args:
             *fields: topics with fields or sectors, such as ``"/odom.twist.twist.linear.x"`` and ``"/scan.front"``;
@@ -201,7 +202,7 @@ class Drives(HasTable):
                 ``"linear.x"``; or fields, such as ``abs(conditions.field("/imu.angular_velocity.z"))``.
             by: the groups: ``"file"``, ``"folder"``, ``"day"`` in UTC; a column of texts of the index, such as
                 ``"scan"``; a topic with a field whose first value counts, such as ``"/version.data"``; a mapping from
-                files, or a function of the file, to the name of the group; or None for all together.
+                files, or a function of the file, to the name of the group (None stays null); or None for all together.
             quantiles: numbers from 0 to 1.
             executor: as for `find`.
             longest: as for `find`.
@@ -271,14 +272,14 @@ class Drives(HasTable):
             sets.append(SearchedSet(name, hits_of(wanted, found), drives.index_file, known))
         return RateComparison(str(wanted), *sets)
 
-    def _group_by(self, by: str) -> dict[str, str]:
-        """Return the group of each recording by a column of the index, or by day."""
+    def _group_by(self, by: str) -> dict[str, str | None]:
+        """Return the group of each recording by a column of the index, or by day; None if the index has none."""
         columns = [name for name in TEXTS if name != "touched"]
         if by not in (*columns, "day"):
             there = ", ".join(map(repr, ("file", "folder", "day", *columns)))
             raise ValueError(f"by: expected one of {there}, a topic with a field, a mapping or a function, got {by!r}")
         values = self.index_file.first_values("date" if by == "day" else by).to_pylist()
-        texts = ("" if value is None else value if by != "day" else f"{value:%Y-%m-%d}" for value in values)
+        texts = (value if value is None or by != "day" else f"{value:%Y-%m-%d}" for value in values)
         return dict(zip(self.index_file.files.to_pylist(), texts, strict=True))
 
     def _table(self) -> Table:
