@@ -273,7 +273,7 @@ class Drives(HasTable):
         return RateComparison(str(wanted), *sets)
 
     def _group_by(self, by: str) -> dict[str, str | None]:
-        """Return the group of each recording by a column of the index, or by day; None if the index has none."""
+        """Return the group of each recording by a column of the index, or by day, or None if it is unknown."""
         columns = [name for name in TEXTS if name != "touched"]
         if by not in (*columns, "day"):
             there = ", ".join(map(repr, ("file", "folder", "day", *columns)))

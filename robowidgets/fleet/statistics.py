@@ -171,6 +171,8 @@ def _groups(files: Sequence[str], by: By | None) -> Mapping[str, str | None] | N
     """Return the group of each recording, or None if a field of it has the group."""
     if by is None:
         return dict.fromkeys(files, "")
+    if not (isinstance(by, (str, Mapping)) or callable(by)):
+        raise TypeError(f"by: expected a text, a mapping, a function or None, got {by!r}")
     if isinstance(by, Mapping):
         if missing := [file for file in files if file not in by]:
             raise ValueError(f"by: has no group for {missing[0]}, one of {len(missing):,} recordings without one")

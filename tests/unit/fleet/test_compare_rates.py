@@ -301,7 +301,7 @@ def test_rates_have_the_limits_of_tables_of_the_poisson_distribution() -> None:
     assert np.isnan([*nothing, *unknown]).all()
 
 
-def test_one_drive_has_no_spread_and_drives_without_hours_are_none() -> None:
+def test_one_drive_has_no_spread_and_drives_without_hours_do_not_count() -> None:
     first, second, difference, spreads = rates_of(exposure([10, 0, 0], [1, 0, 0]), exposure([9, 0], [1, 1]))
     assert first.per_hour == 10
     assert np.isnan([first.low, first.high, difference.low, difference.high, spreads[0]]).all()

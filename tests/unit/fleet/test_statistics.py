@@ -148,6 +148,7 @@ def test_groups_come_from_a_field_the_folder_the_day_a_mapping_or_a_function(tmp
             r"quantiles: expected numbers from 0 to 1, such as .*, got '0.5'",
         ),
         (("front",), {"by": "robot"}, ValueError, "by: expected one of 'file', 'folder', 'day', 'sensors'"),
+        (("front",), {"by": Path("runs")}, TypeError, "by: expected a text, a mapping, a function or None"),
         (("front",), {"by": {}}, ValueError, "by: has no group for .*, one of 4 recordings without one"),
         (("/none.x",), {}, RecordingError, "none of 4 recordings has /none.x: .*no topic '/none'"),
         (("/odom.header.stamp",), {}, RecordingError, "is a time, not a number"),
