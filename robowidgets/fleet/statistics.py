@@ -234,7 +234,7 @@ class _Sink:
     Args:
         groups: the group of each recording, or None if its result has it.
         quantiles: the quantiles of the rows.
-        is_by_day: True to take the day of a recording from its result if its group is None.
+        is_by_day: True to take the day of a recording from its result if the index lacks it.
     """
 
     problem = ""
