@@ -37,13 +37,13 @@ def date_of(time_ns: int | None) -> datetime | None:
 
 
 class FleetTable(HasTable):
-    """A table of many recordings. A recording that could not be read has a row with the reason as ``problem``.
+    """A table of many recordings. If it has a column ``problem``, each recording that could not be read has a row.
 
     Args:
         files: all recordings that were named.
         unread: the recordings that could not be read.
         until: the number of recordings that were read before an interrupt, or None for all.
-        note: a line for the user.
+        note: a line for the user, or empty.
     """
 
     _types: ClassVar[Mapping[str, RowType]]
@@ -55,7 +55,7 @@ class FleetTable(HasTable):
         self.files = tuple(files)
         self.unread = tuple(unread)
         self.until = until
-        self._note = note
+        self.note = note
 
     @property
     def is_complete(self) -> bool:
@@ -97,7 +97,8 @@ class FleetTable(HasTable):
 
     def _all(self) -> Iterator[Mapping[str, Any]]:
         yield from self._rows()
-        yield from (one._asdict() for one in self.unread)
+        if "problem" in self._kinds():
+            yield from (one._asdict() for one in self.unread)
 
     def _columns(self) -> dict[str, list[Any]]:
         rows = list(self._all())
@@ -117,8 +118,8 @@ class FleetTable(HasTable):
         if not self.is_complete:
             yield f"stopped after {self.until:,} of {many(len(self.files), 'file')}: the same call continues"
         yield from not_read(self.unread)
-        if self._note:
-            yield self._note
+        if self.note:
+            yield self.note
 
 
 def not_read(unread: Sequence[Unread]) -> Iterator[str]:
@@ -128,6 +129,20 @@ def not_read(unread: Sequence[Unread]) -> Iterator[str]:
         reasons.setdefault(without_name(problem, file), []).append(Path(file).name)
     for reason, names in sorted(reasons.items(), key=lambda one: -len(one[1])):
         yield f"not read: {listed(names)}: {reason}"
+
+
+def with_problems(problems: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield a line on recordings that were read with problems, if there are any."""
+    if problems:
+        names = listed([Path(file).name for file in problems])
+        yield f"{many(len(problems), 'file')} with problems, in .problems: {names}"
+
+
+def cell_of(value: Any) -> str:
+    """Return a value as the text of a cell, empty for None."""
+    if value is None:
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else str(value)
 
 
 def without_name(problem: str, file: str) -> str:

@@ -17,7 +17,7 @@ from ._engine import LONGEST, each
 from ._fleet_table import Unread
 from ._identity import NotIdentifiedError, identity_of
 from ._kept import Kept, states_of
-from .places import PathLike, places_of
+from .places import NamedPath, PathLike, places_of
 
 _HERE_BYTES = 100 << 20
 """Recordings with less data in total are read faster than processes start, if no code of the user can hang."""
@@ -49,7 +49,7 @@ class ResultStore(Protocol):
 
 def gather(
     job: Callable[[str], dict[str, Any]],
-    paths: Iterable[PathLike],
+    paths: Iterable[PathLike | NamedPath],
     kept: ResultStore | None,
     what: str,
     *,

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..laser.row import LASER
 from ..recordings.columns.tables import RowType, date, library, number, short_number, text, whole
 from ..recordings.search.base import Condition
-from ..recordings.search.seconds import NEAREST, NUMBERS, SecondRows, Texts, field_columns
+from ..recordings.search.seconds import NEAREST, NUMBERS, SPEEDS, SecondRows, Texts, field_columns
 from ..repair import RecordingError
 from ..speed.row import SPEED
 from ..touch.row import TOUCH
@@ -33,6 +33,17 @@ _COLUMNS: dict[str, RowType] = {
 """The columns with their types, without fields."""
 _AHEAD: dict[str, Any] = {"batch_readahead": 4, "fragment_readahead": 1}
 """Rows that are read ahead, which take memory."""
+
+
+class RuledOut(NamedTuple):
+    """Answers of an index without its recordings, each of shape (N,).
+
+    ``seconds``: the time in which a condition was false for certain. ``lacks``: True if the recording may lack a topic
+    or a field of the condition, which only a search reports.
+    """
+
+    seconds: NDArray[np.float64]
+    lacks: NDArray[np.bool_]
 
 
 class IndexFile:
@@ -63,7 +74,27 @@ class IndexFile:
         self.identity: str | None = about["identity"]
         self._texts = {*_OF_DRIVE, *TEXTS, *self.fields}
         as_dictionary = dataset.ParquetReadOptions(dictionary_columns=self._texts)
-        self.dataset = dataset.dataset(path, format=dataset.ParquetFileFormat(read_options=as_dictionary))
+        self._dataset = dataset.dataset(path, format=dataset.ParquetFileFormat(read_options=as_dictionary))
+        self._name, self._states_of_files = path.name, self._state()
+
+    @property
+    def dataset(self) -> Any:
+        """The rows as a pyarrow dataset.
+
+        Raises:
+            RecordingError: the index was written again since.
+        """
+        if self._state() != self._states_of_files:
+            raise RecordingError(f"{self._name} was written again, or removed: open it again by robowidgets.drives()")
+        return self._dataset
+
+    def _state(self) -> list[tuple[int, int, int] | None]:
+        """Return the state of each file, or None for a missing one."""
+        found = []
+        for file in map(Path, self._dataset.files):
+            there = file.stat() if file.exists() else None
+            found.append(there and (there.st_ino, there.st_mtime_ns, there.st_size))
+        return found
 
     @cached_property
     def files(self) -> Any:
@@ -102,6 +133,11 @@ class IndexFile:
         places = {file: place for place, file in enumerate(files.to_pylist())}
         return library("pyarrow", "drives").array(places.values())
 
+    @property
+    def has_repeats(self) -> bool:
+        """True if files of a folder have the same recording."""
+        return self._chosen is not None
+
     def _first(self, column: str | Mapping[str, Any]) -> Any:
         second = library("pyarrow.dataset", "drives").field("second")
         columns = [column] if isinstance(column, str) else column
@@ -109,19 +145,26 @@ class IndexFile:
 
     def possible(self, wanted: Condition) -> NDArray[np.bool_]:
         """Return True for each of `files` in which a condition may have been true, according to its rows."""
-        asked = _Asked(_with_fields(self.fields))
-        wanted.possible(SecondRows(asked, asked))
         found = []
-        for batch in self.batches(dict.fromkeys(["file", *asked.names])):
-            columns = {name: batch.column(name) for name in batch.schema.names}
-            rows = SecondRows(
-                {name: column.to_numpy(False) for name, column in columns.items() if name not in self._texts},
-                {name: _to_texts(column) for name, column in columns.items() if name in self._texts - {"file"}},
-            )
-            files = columns["file"]
-            here = np.unique(files.indices.to_numpy(False)[wanted.possible(rows).true])
-            found.append(files.dictionary.take(library("pyarrow", "drives").array(here)))
+        for batch in self.batches(dict.fromkeys(["file", LASER.sample_name, *self._asked(wanted)])):
+            files = batch.column("file")
+            is_possible = wanted.possible(SecondRows(*self._columns(batch))).true
+            found.append(_names(files, files.indices.to_numpy(False)[is_possible]))
         return self.among(found)
+
+    def _asked(self, wanted: Condition) -> list[str]:
+        """Return the columns that a condition reads."""
+        asked = _Asked(_with_fields(self.fields))
+        wanted.possible(_NoRows(asked, asked))
+        return asked.names
+
+    def _columns(self, batch: Any) -> tuple[dict[str, NDArray[Any]], dict[str, Texts]]:
+        """Return the columns of numbers and of texts of some rows."""
+        columns = {name: batch.column(name) for name in batch.schema.names if name not in ("file", "second")}
+        return (
+            {name: column.to_numpy(False) for name, column in columns.items() if name not in self._texts},
+            {name: _to_texts(column) for name, column in columns.items() if name in self._texts},
+        )
 
     def among(self, files: Iterable[Any]) -> NDArray[np.bool_]:
         """Return True for each of `files` that is in one of some pyarrow arrays."""
@@ -130,26 +173,59 @@ class IndexFile:
         found: NDArray[np.bool_] = compute.is_in(self.files, value_set=there).to_numpy(False)
         return found
 
-    @cached_property
-    def seconds(self) -> NDArray[np.int64]:
-        """The number of seconds that have begun in each of `files`, 0 for a recording without messages."""
-        files, lasts = [], []
-        for batch in self.batches(("file", "second")):
-            file = batch.column("file")
-            last = np.zeros(len(file.dictionary), np.int64)
-            np.maximum.at(last, file.indices.to_numpy(False), batch.column("second").fill_null(-1).to_numpy(False) + 1)
-            files.append(file.dictionary)
-            lasts.append(last)
-        return self._greatest(files, lasts)
+    def ruled_out(self, wanted: Condition) -> RuledOut:
+        """Return the seconds in which a condition was false for certain, in each of `files`.
 
-    def _greatest(self, files: list[Any], values: list[NDArray[np.int64]]) -> NDArray[np.int64]:
-        """Return the greatest value of each of `files`, from parts in which a file may be again."""
+        A row counts until the next one, if the condition is false in it whatever its unknown columns would be.
+        """
+        asked = self._asked(wanted)
+        files, seconds, lacking = [], [], []
+        before: tuple[str, int, bool] | None = None
+        """The file, the second and the answer of the last row of the batch before."""
+        for batch in self.batches(dict.fromkeys(["file", "second", LASER.sample_name, *asked])):
+            if not len(batch):
+                continue
+            numbers, texts = self._columns(batch)
+            file, second = batch.column("file"), batch.column("second").fill_null(-1).to_numpy(False)
+            codes = file.indices.to_numpy(False)
+            topics = {name: texts[name] for name in texts if name in asked and name not in ("touched", "sensors")}
+            lacks = np.any([np.zeros(len(codes), bool), *(one.numbers < 0 for one in topics.values())], axis=0)
+            lacking.append(_names(file, codes[lacks]))
+            texts |= {name: self._if_known(name, topics[name], numbers) for name in topics}
+            is_false = ~wanted.possible(SecondRows(numbers, texts)).true & (second >= 0)
+            length = np.where(np.append(codes[1:] == codes[:-1], False), np.append(np.diff(second), 1), 1)
+            files.append(file.dictionary)
+            seconds.append(np.bincount(codes[is_false], length[is_false], len(file.dictionary)))
+            first = str(file[0])
+            if before and before[0] == first and before[2]:
+                files.append(file.dictionary.slice(int(codes[0]), 1))
+                seconds.append(np.array([second[0] - before[1] - 1.0]))
+            before = str(file[-1]), int(second[-1]), bool(is_false[-1])
+        return RuledOut(self._sums(files, seconds), self.among(lacking))
+
+    def _if_known(self, name: str, texts: Texts, numbers: Mapping[str, NDArray[Any]]) -> Texts:
+        """Return the topics or types of the rows with one of their values; the others look like rows without them."""
+        columns = [numbers[one] for one in self._values_of(name) if one in numbers]
+        if not columns:
+            return texts
+        has_texts = texts.where({one: one.startswith("[") and one != "[]" for one in texts.texts})
+        is_unknown = np.isnan(columns).all(axis=0) & ~has_texts
+        return Texts(np.where(is_unknown, -1, texts.numbers), texts.texts)
+
+    def _values_of(self, name: str) -> Iterable[str]:
+        """Return the columns of numbers that come from a topic or a field."""
+        if name in self.fields:
+            return field_columns(name)
+        of_speed = (column for columns in SPEEDS.values() for column in columns)
+        return NEAREST if name == LASER.sample_name else of_speed if name == SPEED.sample_name else ()
+
+    def _sums(self, files: list[Any], values: list[NDArray[Any]]) -> NDArray[np.float64]:
+        """Return the sum of the values of each of `files`, from parts in which a file may be again."""
         arrow, compute = library("pyarrow", "drives"), library("pyarrow.compute", "drives")
         names = arrow.chunked_array([one.cast(arrow.large_string()) for one in files], arrow.large_string())
-        place = compute.index_in(names, value_set=self.files).to_numpy()
-        found = np.zeros(len(self.files), np.int64)
+        found = np.zeros(len(self.files))
         if len(names):
-            np.maximum.at(found, place, np.concatenate(values))
+            np.add.at(found, compute.index_in(names, value_set=self.files).to_numpy(), np.concatenate(values))
         return found
 
     def unread(self) -> Iterator[tuple[str, str]]:
@@ -164,6 +240,11 @@ class IndexFile:
     def batches(self, columns: Iterable[str]) -> Iterator[Any]:
         """Yield some columns of all rows, part by part; only some parts are in memory."""
         yield from self.dataset.to_batches(columns=list(columns), **_AHEAD)
+
+
+class _NoRows(SecondRows):
+    def __len__(self) -> int:
+        return 0
 
 
 class _Asked(Mapping[str, Any]):
@@ -219,6 +300,11 @@ def _flat(column: Any) -> Any:
     if not isinstance(found, arrow.ChunkedArray):
         return found
     return found.chunk(0) if found.num_chunks else arrow.array([], found.type)
+
+
+def _names(column: Any, codes: NDArray[np.integer[Any]]) -> Any:
+    """Return the different texts with some numbers in a dictionary column of pyarrow."""
+    return column.dictionary.take(library("pyarrow", "drives").array(np.unique(codes)))
 
 
 def _to_texts(column: Any) -> Texts:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import floor, fsum, inf, log, nan
+from math import floor, fsum, inf, isfinite, log, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,9 @@ EXACT = 100_000
 """The number of different values up to which quantiles are exact."""
 ERROR = 0.001
 """The greatest relative error of a quantile of more different values."""
+_LARGE = 2.0**900
+"""The size of values whose sum may be too large for a number: they are added in parts, divided by `_PART`."""
+_PART = 2.0**100
 _GROWTH = (1 + ERROR) / (1 - ERROR)
 
 
@@ -26,7 +29,8 @@ class Tally:
     """Counts, mean, limits and quantiles of numbers.
 
     Up to `EXACT` different values are counted each. If there are more, each value is counted as the middle of a bin
-    whose ends differ from it by at most `ERROR` of its size, so that quantiles do too. That depends on the values
+    whose ends differ from it by at most `ERROR` of its size; a quantile lies between two values, and so differs by at
+    most `ERROR` of the size of the greater one. That depends on the values
     alone, and so the result does not depend on their order. Memory is bounded: all numbers that exist fall into 1.5
     million bins, and numbers from a millimetre to a kilometre into 7,000.
     """
@@ -37,6 +41,7 @@ class Tally:
         self.drives = 0
         self.is_exact = True
         self._sums: list[float] = []
+        self._large: list[float] = []
         self._numbers = ValueCounts(np.empty(0), np.empty(0, np.int64))
 
     @property
@@ -47,7 +52,10 @@ class Tally:
     @property
     def mean(self) -> float:
         """The mean of the finite values, NaN without any; the sum is rounded once for each drive."""
-        return fsum(self._sums) / self.count if self.count else nan
+        if not self.count:
+            return nan
+        mean = fsum(self._sums) / self.count + fsum(self._large) / self.count * _PART
+        return min(max(mean, self.least), self.most)
 
     def add(self, values: NDArray[np.float64]) -> None:
         """Add some values."""
@@ -59,7 +67,9 @@ class Tally:
         self.unknown += int(np.isnan(others).sum())
         if len(finite):
             self.least, self.most = min(self.least, float(finite.min())), max(self.most, float(finite.max()))
-            self._sums = [fsum([*self._sums, float(finite.sum())])]
+            is_large = np.abs(finite) > _LARGE
+            self._sums = [fsum([*self._sums, float(finite[~is_large].sum())])]
+            self._large = [fsum([*self._large, float((finite[is_large] / _PART).sum())])]
             self._put(ValueCounts(*np.unique(finite, return_counts=True)), is_exact=True)
 
     def merge(self, other: Tally) -> None:
@@ -70,6 +80,7 @@ class Tally:
         self.drives += other.drives
         self.least, self.most = min(self.least, other.least), max(self.most, other.most)
         self._sums += other._sums
+        self._large += other._large
         self._put(other._numbers, is_exact=other.is_exact)
 
     def quantile(self, part: float) -> float:
@@ -82,7 +93,8 @@ class Tally:
         low, high = (
             float(values[np.searchsorted(ends, rank, side="right")]) for rank in (int(place), -int(-place // 1))
         )
-        found = low + (high - low) * (place - floor(place))
+        share = place - floor(place)
+        found = low + (high - low) * share if isfinite(high - low) else low * (1 - share) + high * share
         return min(max(found, self.least), self.most)
 
     def _put(self, more: ValueCounts, *, is_exact: bool) -> None:
@@ -106,7 +118,7 @@ def _merged(parts: list[ValueCounts]) -> ValueCounts:
 def _binned(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the middle of the bin of each value, which is its own middle; zero is a bin of its own."""
     sizes = np.abs(values)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         bins = np.ceil(np.log(sizes) / log(_GROWTH))
-    middles = np.exp(bins * log(_GROWTH)) * (2 / (_GROWTH + 1))
+        middles = np.minimum(np.exp(bins * log(_GROWTH)) * (2 / (_GROWTH + 1)), np.finfo(float).max)
     return np.where(sizes == 0, 0.0, np.copysign(middles, values))

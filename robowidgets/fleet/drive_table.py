@@ -20,6 +20,7 @@ from ..runtime.text import many
 from ._engine import LONGEST
 from ._fleet_table import Unread, not_read
 from ._gather import gather
+from .places import places_in_index
 
 
 class DriveTable:
@@ -99,7 +100,12 @@ class DriveTable:
         """Pass the rows of each recording on as a pyarrow Table; raise KeyboardInterrupt after an interrupt."""
         sink = _Sink(put)
         gathered = gather(
-            self._job, self.files, sink, "Reading the table", executor=self._executor, longest=self._longest
+            self._job,
+            places_in_index(self.files),
+            sink,
+            "Reading the table",
+            executor=self._executor,
+            longest=self._longest,
         )
         self.unread = tuple(gathered.rows["unread"])
         if gathered.rows["until"] is not None:

@@ -33,7 +33,7 @@ from ._kept import states_of
 from ._topics import chosen_of
 from .drive_table import DriveTable
 from .hits import Hits
-from .places import PathLike
+from .places import PathLike, places_in_index
 from .rate_comparison import RateComparison, SearchedSet
 from .search import hits_of, search
 from .statistics import By, Statistics, statistics
@@ -67,7 +67,6 @@ class Drives(HasTable):
         self.path = Path(os.fsdecode(path)).expanduser().absolute()
         self.index_file = IndexFile(self.path)
         """Its drives as arrays."""
-        self.dataset = self.index_file.dataset
         self.topics = self.index_file.topics
         """Names and patterns of preferred topics, for recordings with several topics of a kind."""
         self.fields = self.index_file.fields
@@ -76,6 +75,11 @@ class Drives(HasTable):
 
     def __len__(self) -> int:
         return len(self.index_file.files)
+
+    @property
+    def dataset(self) -> Any:
+        """The rows as a pyarrow dataset; raises RecordingError if the index was written again since."""
+        return self.index_file.dataset
 
     @cached_property
     def files(self) -> tuple[str, ...]:
@@ -150,19 +154,7 @@ class Drives(HasTable):
             TypeError: as for `find`.
         """
         wanted = condition(given)
-        return hits_of(wanted, self._search(wanted, self.candidates(wanted, check=check), executor, longest, keep))
-
-    def _search(self, wanted: Condition, asked: list[str], executor: Any, longest: float, keep: bool) -> FromAll:
-        """Return the results of a search through some of these recordings, with a line on the others."""
-        ruled_out = len(self) - len(asked)
-        found = FromAll({}, {"unread": [], "until": None, "note": ""})
-        if asked:
-            found = search(wanted, asked, self.topics, executor, longest, keep)
-        until = found.rows["until"]
-        told = f"by the index {many(ruled_out, 'file')} had no such moment, and were not read" if ruled_out else ""
-        files = self.index_file.files.to_pylist()
-        found.rows.update(files=files, until=until and until + ruled_out, told=told)
-        return found
+        return hits_of(wanted, _search(self, wanted, self.candidates(wanted, check=check), executor, longest, keep))
 
     def table(
         self,
@@ -194,14 +186,15 @@ class Drives(HasTable):
         self,
         *fields: str | conditions.Field,
         by: By | None = None,
-        quantiles: Sequence[float] = (0.05, 0.5, 0.95),
+        quantiles: Iterable[float] = (0.05, 0.5, 0.95),
         executor: Any = None,
         longest: float = LONGEST,
     ) -> Statistics:
         """Return counts, mean, limits and quantiles of numbers in all these recordings, each message counted once.
 
         The recordings are read message by message. Quantiles are exact up to 100,000 different values in a group;
-        beyond, they differ from the exact ones by 0.1 % of their size at most, in any order of the recordings.
+        beyond, they differ from the exact ones by 0.1 % of the size of the neighbouring values at most, in any order of
+        the recordings.
 
         Args:
             *fields: topics with fields or sectors, such as ``"/odom.twist.twist.linear.x"`` and ``"/scan.front"``;
@@ -209,7 +202,7 @@ class Drives(HasTable):
                 ``"linear.x"``; or fields, such as ``abs(conditions.field("/imu.angular_velocity.z"))``.
             by: the groups: ``"file"``, ``"folder"``, ``"day"`` in UTC; a column of texts of the index, such as
                 ``"scan"``; a topic with a field whose first value counts, such as ``"/version.data"``; a mapping from
-                files, or a function of the file, to the name of the group; or None for all together.
+                files, or a function of the file, to the name of the group (None stays null); or None for all together.
             quantiles: numbers from 0 to 1.
             executor: as for `find`.
             longest: as for `find`.
@@ -237,8 +230,9 @@ class Drives(HasTable):
     ) -> RateComparison:
         """Return how often a condition becomes true per hour in these drives and in others, with the difference.
 
-        Both are searched by `find`. The interval of the difference is computed, not drawn by lot: equal for equal
-        drives. `RateComparison.by_file` and `RateComparison.by_place` show where the spans are.
+        Both are searched by `find`. Time counts if the condition is true or false: not while it is unknown, such as
+        without a scan. The interval of the difference is computed, not drawn by lot: equal for equal drives.
+        `RateComparison.by_file` and `RateComparison.by_place` show the spans. An interrupt ends both searches.
 
         Args:
             other: the other drives, such as the ones of a new version.
@@ -249,7 +243,8 @@ class Drives(HasTable):
             keep: as for `find`.
 
         Raises:
-            TypeError: ``other`` is not an index, or as for `find`.
+            TypeError: ``other`` is not an index, or as for `find`. ValueError: it is this index. RecordingError: files
+                of a folder have the same recording.
 
         Example:
             >>> old.compare(new, robowidgets.conditions.touched())  # doctest: +SKIP
@@ -257,24 +252,34 @@ class Drives(HasTable):
         if not isinstance(other, Drives):
             raise TypeError(f"compare(): expected drives of another index, as from robowidgets.drives(), got {other!r}")
         wanted = condition(given)
-        sets = [
-            SearchedSet(
-                drives.path.stem if self.path.stem != other.path.stem else str(drives.path),
-                drives.find(wanted, check=check, executor=executor, longest=longest, keep=keep),
-                drives.index_file,
-            )
-            for drives in (self, other)
-        ]
+        if self.path.resolve() == other.path.resolve():
+            raise ValueError(f"compare(): expected another index, got {self.path.name} twice")
+        for drives in (self, other):
+            if drives.index_file.has_repeats:
+                raise RecordingError(
+                    f"{drives.path.name} has a recording in several of its files, so its hours would count twice: "
+                    "index the recordings in one file"
+                )
+        sets: list[SearchedSet] = []
+        for drives in (self, other):
+            found, known = FromAll({}, {"files": drives.files, "unread": [], "until": 0, "note": ""}), {}
+            if not sets or sets[0].hits.is_complete:
+                known = _ruled_out(drives, wanted, check)
+                asked = [file for file in drives.files if file not in known]
+                found = _search(drives, wanted, asked, executor, longest, keep)
+            known |= {file: result["known"] for file, result in found.results.items()}
+            name = drives.path.stem if self.path.stem != other.path.stem else str(drives.path)
+            sets.append(SearchedSet(name, hits_of(wanted, found), drives.index_file, known))
         return RateComparison(str(wanted), *sets)
 
-    def _group_by(self, by: str) -> dict[str, str]:
-        """Return the group of each recording by a column of the index, or by day."""
+    def _group_by(self, by: str) -> dict[str, str | None]:
+        """Return the group of each recording by a column of the index, or by day, or None if it is unknown."""
         columns = [name for name in TEXTS if name != "touched"]
         if by not in (*columns, "day"):
             there = ", ".join(map(repr, ("file", "folder", "day", *columns)))
             raise ValueError(f"by: expected one of {there}, a topic with a field, a mapping or a function, got {by!r}")
         values = self.index_file.first_values("date" if by == "day" else by).to_pylist()
-        texts = ("" if value is None else value if by != "day" else f"{value:%Y-%m-%d}" for value in values)
+        texts = (value if value is None or by != "day" else f"{value:%Y-%m-%d}" for value in values)
         return dict(zip(self.index_file.files.to_pylist(), texts, strict=True))
 
     def _table(self) -> Table:
@@ -285,6 +290,31 @@ class Drives(HasTable):
 def drives(path: PathLike) -> Drives:
     """Open an index that `index` wrote; see `Drives`."""
     return Drives(path)
+
+
+def _search(drives: Drives, wanted: Condition, asked: list[str], executor: Any, longest: float, keep: bool) -> FromAll:
+    """Return the results of a search through some of the recordings, with a line on the others."""
+    ruled_out = len(drives) - len(asked)
+    found = FromAll({}, {"unread": [], "until": None, "note": ""})
+    if asked:
+        found = search(wanted, places_in_index(asked), drives.topics, executor, longest, keep)
+    until = found.rows["until"]
+    told = f"by the index {many(ruled_out, 'file')} had no such moment, and were not read" if ruled_out else ""
+    files = drives.index_file.files.to_pylist()
+    found.rows.update(files=files, until=until and until + ruled_out, told=told)
+    return found
+
+
+def _ruled_out(drives: Drives, wanted: Condition, check: bool) -> dict[str, float]:
+    """Return the recordings that need no search, with the seconds in which the condition was false.
+
+    Recordings without a topic of the condition are not among them, because only a search reports them.
+    """
+    seconds, lacks = drives.index_file.ruled_out(wanted)
+    files = drives.index_file.files
+    asked = {*drives.candidates(wanted, check=check), *files.filter(lacks).to_pylist()}
+    known = zip(files.to_pylist(), seconds.tolist(), strict=True)
+    return {file: one for file, one in known if file not in asked}
 
 
 def is_index(paths: Sequence[PathLike]) -> bool:

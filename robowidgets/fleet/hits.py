@@ -17,7 +17,7 @@ from ..recordings.search.spans import cell, more_heads
 from ..runtime.output_file import checked_output
 from ..runtime.tables import Table
 from ..runtime.text import as_date, listed, many
-from ._fleet_table import SHOWN, FleetTable, short
+from ._fleet_table import SHOWN, FleetTable, short, with_problems
 from ._hit import Hit as Hit
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Hits(FleetTable, Sequence[Hit]):
 
     def only(self, hits: Sequence[Hit]) -> Hits:
         """Return the same results with only some of the hits."""
-        rows: dict[str, Any] = {"files": self.files, "unread": self.unread, "until": self.until, "note": self._note}
+        rows: dict[str, Any] = {"files": self.files, "unread": self.unread, "until": self.until, "note": self.note}
         return Hits(
             self.condition if self._wanted is None else self._wanted,
             hits,
@@ -219,9 +219,7 @@ class Hits(FleetTable, Sequence[Hit]):
 
     def _complaints(self) -> Iterator[str]:
         yield from super()._complaints()
-        if self.problems:
-            names = listed([Path(file).name for file in self.problems])
-            yield f"{many(len(self.problems), 'file')} with problems, in .problems: {names}"
+        yield from with_problems(self.problems)
 
 
 def _cell(hit: Hit, head: str, names: Mapping[str, str]) -> str:

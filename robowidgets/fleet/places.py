@@ -23,19 +23,23 @@ class NamedPath(NamedTuple):
     problem: str = ""
 
 
-def places_of(paths: Iterable[PathLike]) -> list[NamedPath]:
+def places_of(paths: Iterable[PathLike | NamedPath]) -> list[NamedPath]:
     """Return the recordings that some paths name, each once, in the given order, and in a folder by name.
 
     Args:
         paths: files, folders with recordings at any depth, or patterns such as ``"runs/*.mcap"`` (``**`` for any
             depth); or their URLs, such as ``"s3://bucket/runs/*.mcap"``. A rosbag2 folder, and a folder with only the
-            parts of one recording, count as one recording; at a URL, only a rosbag2 folder does.
+            parts of one recording, count as one recording; at a URL, only a rosbag2 folder does. A `NamedPath` is one
+            recording.
 
     Raises:
         TypeError: a path is not a path. ValueError: no path is given.
     """
     found: dict[Path | str, NamedPath] = {}
     for path in paths:
+        if isinstance(path, NamedPath):
+            found.setdefault(path.path, path)
+            continue
         if not isinstance(path, (str, os.PathLike)):
             raise TypeError(f"expected the path of a recording, a folder or a pattern, got {path!r}")
         for place in named_places(os.fspath(path)):
@@ -43,6 +47,12 @@ def places_of(paths: Iterable[PathLike]) -> list[NamedPath]:
     if not found:
         raise ValueError("expected files, folders or patterns of recordings, got none")
     return list(found.values())
+
+
+def places_in_index(files: Iterable[str]) -> list[NamedPath]:
+    """Return the recordings of an index; each path is one recording, also a folder that lost its metadata."""
+    found = (file if is_url(file) else Path(file) for file in files)
+    return [NamedPath(one, "" if isinstance(one, str) or one.exists() else NO_SUCH_PATH) for one in found]
 
 
 def the_only(paths: Iterable[PathLike]) -> Path | str | None:

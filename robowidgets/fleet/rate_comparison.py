@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from math import inf, isfinite, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from ..recordings.columns.tables import RowType, library, number, text, whole
 from ..runtime.tables import Table
+from ..runtime.text import many
 from ..samples.checks import number as checked_number
-from ._fleet_table import SHOWN, FleetTable, short
+from ._fleet_table import SHOWN, FleetTable, cell_of, short, with_problems
 from ._index_file import IndexFile
 from ._rates import Exposure, Rate, rates_of
 from .hits import Hits
@@ -21,20 +22,22 @@ _HOUR = 3600.0
 
 
 class SearchedSet(NamedTuple):
-    """The results of a condition in a set of drives, under its name."""
+    """The results of a condition in a set of drives, under its name.
+
+    ``seconds``: the time in which the condition was known to be true or false, for each drive that was searched or
+    ruled out by the index.
+    """
 
     name: str
     hits: Hits
     file: IndexFile
+    seconds: Mapping[str, float]
 
     def exposure(self) -> Exposure:
-        """Return the number of hits and the hours of each drive that could be searched."""
-        left_out = {one.file for one in self.hits.unread}
+        """Return the number of hits and the hours of each drive in ``seconds``."""
         counts = Counter(hit.file for hit in self.hits)
-        files = self.file.files.to_pylist()
-        is_searched = np.array([file not in left_out for file in files], bool)
-        found = np.array([counts.get(file, 0) for file in files], np.int64)
-        return Exposure(found[is_searched], self.file.seconds[is_searched] / _HOUR)
+        found = np.array([counts.get(file, 0) for file in self.seconds], np.int64)
+        return Exposure(found, np.array(list(self.seconds.values()), float) / _HOUR)
 
 
 class RateTable(FleetTable):
@@ -64,13 +67,10 @@ class RateTable(FleetTable):
     def _rows(self) -> Iterator[Mapping[str, Any]]:
         yield from self._found
 
-    def _all(self) -> Iterator[Mapping[str, Any]]:
-        return self._rows()
-
     def _table(self) -> Table:
         heads = tuple(self._columns_of)
         names = short([row["file"] for row in self._found[:SHOWN]]) if "file" in heads else {}
-        rows = [tuple(_shown(names.get(row[head], row[head])) for head in heads) for row in self._found[:SHOWN]]
+        rows = [tuple(cell_of(names.get(row[head], row[head])) for head in heads) for row in self._found[:SHOWN]]
         more = [f"  ... and {len(self) - SHOWN:,} more"] if len(self) > SHOWN else []
         right = [i for i, kind in enumerate(self._columns_of.values()) if kind is not text]
         return Table(self._heading, heads, rows, right, more)
@@ -80,8 +80,10 @@ class RateComparison(FleetTable):
     """A condition in two sets of drives: see `Drives.compare`.
 
     A row for each set, and one for the ``difference``, the second minus the first. The columns: ``set``, ``drives``
-    that could be searched, their ``hours`` by whole seconds, ``count`` of the spans, ``per_hour``, and the ends ``low``
-    and ``high`` of its interval of 95 %.
+    that could be searched, the ``hours`` in which the condition was true or false, not unknown, ``count`` of the spans,
+    ``per_hour``, and the ends ``low`` and ``high`` of its interval of 95 %. The hours of a drive that was ruled out are
+    by the index, a row until the next one, so a silence of all topics counts. If not all drives were reached, the
+    difference is unknown, and with one drive in a set its interval.
 
     Args:
         condition: the text of the condition.
@@ -104,40 +106,45 @@ class RateComparison(FleetTable):
         until = [len(hits.files) if hits.until is None else hits.until for hits in both]
         super().__init__(
             [*both[0].files, *both[1].files],
-            [*both[0].unread, *both[1].unread],
+            list(dict.fromkeys([*both[0].unread, *both[1].unread])),
             None if all(hits.is_complete for hits in both) else sum(until),
+            "; ".join(dict.fromkeys(hits.note for hits in both if hits.note)),
         )
         self.condition = condition
+        self.problems = {**both[0].problems, **both[1].problems}
+        """The problems of recordings that were searched, as in `Recording.problems`: spans may be missing."""
+        self._in_both = len({*both[0].files} & {*both[1].files})
         self._sets = before, after
         self.before, self.after = both
         """The spans in each set, as `Hits`."""
         self._exposures = before.exposure(), after.exposure()
-        *self._rates, self.difference, self.spread = rates_of(*self._exposures)
-        """The difference per hour with its interval; and the variance between drives, 1 for a Poisson rate."""
+        *self._rates, self.difference, self.spreads = rates_of(*self._exposures)
+        """The difference per hour with its interval; and by set the variance between drives, 1 for Poisson rates."""
+        if not self.is_complete:
+            self.difference = Rate(nan, nan, nan)
 
     @property
     def is_different(self) -> bool:
         """True if the interval of the difference does not contain 0."""
-        return not self.difference.low <= 0 <= self.difference.high
+        return self.difference.low > 0 or self.difference.high < 0
 
     def by_file(self) -> RateTable:
         """Return a row for each recording with a span, the ones furthest above the common rate first."""
         exposures = self._exposures
         hours = sum(float(one.hours.sum()) for one in exposures)
         usual = sum(int(one.counts.sum()) for one in exposures) / hours if hours else 0.0
-        found = []
+        found: list[dict[str, Any]] = []
         for part in self._sets:
             counts = Counter(hit.file for hit in part.hits)
-            seconds = dict(zip(part.file.files.to_pylist(), part.file.seconds.tolist(), strict=True)) if counts else {}
             for file, count in counts.items():
-                own = seconds[file] / _HOUR
+                own = part.seconds[file] / _HOUR
                 found.append(
                     {
                         "set": part.name,
                         "file": file,
                         "hours": own,
                         "count": count,
-                        "per_hour": count / own if own else inf,
+                        "per_hour": count / own if own else None,
                     }
                 )
         found.sort(key=lambda row: (usual * row["hours"] - row["count"]) / sqrt(max(usual * row["hours"], 1e-9)))
@@ -148,7 +155,8 @@ class RateComparison(FleetTable):
         """Return a row for each square of the floor with a span in it, the largest differences first.
 
         Places are by odometry, so they agree between drives that start at the same place in the same direction. The
-        place of a span is the place at its start; hours count the seconds with a message in the square.
+        place of a span is the place at its start; hours count the seconds with a message in the square. Both are by the
+        index, so spans in a part of a drive that it does not have are left out.
 
         Args:
             size: the side of a square in metres.
@@ -188,30 +196,33 @@ class RateComparison(FleetTable):
             }
         yield {"set": "difference", **_plain(self.difference)}
 
-    def _all(self) -> Iterator[Mapping[str, Any]]:
-        return self._rows()
+    def _complaints(self) -> Iterator[str]:
+        if self._in_both:
+            are = "is" if self._in_both == 1 else "are"
+            yield f"{many(self._in_both, 'recording')} {are} in both sets"
+        yield from super()._complaints()
+        yield from with_problems(self.problems)
 
     def _table(self) -> Table:
         heads = tuple(self._types)
-        rows = [tuple(_shown(row.get(head)) for head in heads) for row in self._rows()]
-        if not isfinite(self.difference.low):
+        rows = [tuple(cell_of(row.get(head)) for head in heads) for row in self._rows()]
+        if not self.is_complete:
+            verdict = "not all drives were searched"
+        elif not isfinite(self.difference.per_hour):
             verdict = "one of the sets has no drive that could be searched"
+        elif not isfinite(self.difference.low):
+            verdict = "unknown with one drive in a set"
         elif self.is_different:
             verdict = f"{self._sets[1].name} has {'more' if self.difference.per_hour > 0 else 'fewer'} per hour"
         else:
             verdict = "the sets do not differ beyond chance"
-        notes = [f"  low and high: 95 % (Poisson, MOVER; variance between drives: {self.spread:.3g})"]
+        spreads = ", ".join(f"{spread:.3g}" if isfinite(spread) else "unknown" for spread in self.spreads)
+        notes = [f"  low and high: 95 % (Poisson, MOVER; variance between drives: {spreads})"]
         return Table(f"{self.condition}: {verdict}", heads, rows, range(1, len(heads)), notes, list(self._complaints()))
 
 
 def _plain(rate: Rate) -> dict[str, float | None]:
     return {name: value if isfinite(value) else None for name, value in rate._asdict().items()}
-
-
-def _shown(value: Any) -> str:
-    if value is None:
-        return ""
-    return f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else str(value)
 
 
 def _difference(row: Mapping[str, Any]) -> float:
@@ -229,12 +240,11 @@ def _places(x: Any, y: Any, size: float) -> Any:
 
 def _seconds_by_place(one: SearchedSet, size: float) -> dict[tuple[int, int], int]:
     """Return the number of seconds with a message in each square, in recordings that could be searched."""
-    left_out = {unread.file for unread in one.hits.unread}
     found: Counter[tuple[int, int]] = Counter()
     for batch in one.file.batches(("file", "x", "y")):
         file = batch.column("file")
         names = file.dictionary.to_pylist()
-        is_searched = np.array([name not in left_out for name in names], bool)[file.indices.to_numpy(False)]
+        is_searched = np.array([name in one.seconds for name in names], bool)[file.indices.to_numpy(False)]
         x, y = batch.column("x").to_numpy(False), batch.column("y").to_numpy(False)
         is_known = is_searched & np.isfinite(x) & np.isfinite(y)
         squares, counts = np.unique(_places(x[is_known], y[is_known], size), axis=0, return_counts=True)
@@ -243,7 +253,7 @@ def _seconds_by_place(one: SearchedSet, size: float) -> dict[tuple[int, int], in
 
 
 def _hits_by_place(one: SearchedSet, size: float) -> Counter[tuple[int, int]]:
-    """Return the number of hits that start in each square; hits at an unknown place do not count."""
+    """Return the number of hits that start in each square; hits at a place that is not in the index do not count."""
     starts: dict[str, list[float]] = {}
     for hit in one.hits:
         starts.setdefault(hit.file, []).append(hit.start)
@@ -260,7 +270,8 @@ def _hits_by_place(one: SearchedSet, size: float) -> Counter[tuple[int, int]]:
     number_of = {name: i for i, name in enumerate(files.dictionary.to_pylist())}
     for file, seconds in starts.items():
         first, last = np.searchsorted(codes, (number_of[file], number_of[file] + 1))
-        row = first + np.searchsorted(second[first:last], seconds, side="right") - 1
+        inside = [at for at in seconds if second[first] <= at <= second[last - 1] + 1]  # not with null, as NaN
+        row = first + np.searchsorted(second[first:last], inside, side="right") - 1
         row = row[np.isfinite(x[row]) & np.isfinite(y[row])]
         found.update(map(tuple, _places(x[row], y[row], size).tolist()))
     return found

@@ -15,9 +15,9 @@ from ._gather import FromAll, gather, identity_or_none, kept_of
 from ._live import LiveTable
 from ._topics import chosen_of, looked_at
 from .hits import Hit, Hits
-from .places import PathLike
+from .places import NamedPath, PathLike
 
-_FORM = 5
+_FORM = 6
 """The version of the form of the stored results."""
 
 
@@ -74,7 +74,7 @@ def find(
 
 def search(
     wanted: Condition,
-    paths: Iterable[PathLike],
+    paths: Iterable[PathLike | NamedPath],
     topics: tuple[str, ...],
     executor: Any,
     longest: float,
@@ -139,4 +139,5 @@ class _Search:
             "topic": ", ".join(spans.topics),
             "chosen": [name for name in chosen if name in spans.topics],
             "problems": list(problems),
+            "known": spans.known,
         }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import isnan
 from pathlib import PurePath
 from typing import Any, ClassVar
@@ -15,10 +15,11 @@ from ..repair import RecordingError, natural
 from ..runtime.tables import Table
 from ..runtime.text import many
 from ..samples.checks import number as checked_number
-from ._fleet_table import SHOWN, FleetTable, Unread, not_read, short
+from ._fleet_table import SHOWN, FleetTable, Unread, cell_of, date_of, not_read, short, with_problems
 from ._gather import gather
 from ._tally import ERROR, Tally
 from ._topics import chosen_of
+from .places import places_in_index
 
 By = str | Mapping[str, Any] | Callable[[str], Any]
 _COUNTS = ("drives", "count", "unknown", "inf", "minus_inf")
@@ -35,24 +36,34 @@ class Statistics(FleetTable):
 
     Args:
         group: the name of the column of the group, or empty for all recordings together.
-        tallies: the numbers by group and field.
+        numbers: the values of the columns, by group and field.
         quantiles: the quantiles, from 0 to 1.
+        is_exact: True if all quantiles are exact.
+        problems: the problems of each recording, as in `Recording.problems`: values may be missing.
         **rows: as for `FleetTable`.
     """
 
     _types: ClassVar = {"field": text, **dict.fromkeys(_COUNTS, whole), **dict.fromkeys(_LIMITS, number)}
 
     def __init__(
-        self, group: str, tallies: Mapping[tuple[str, str], Tally], quantiles: Sequence[float], **rows: Any
+        self,
+        group: str,
+        numbers: Mapping[tuple[str | None, str], Mapping[str, Any]],
+        quantiles: Sequence[float],
+        *,
+        is_exact: bool,
+        problems: Mapping[str, Sequence[str]],
+        **rows: Any,
     ) -> None:
         super().__init__(**rows)
         self._group, self._quantiles = group, tuple(quantiles)
-        self._tallies = dict(sorted(tallies.items(), key=lambda one: natural(one[0][0])))
-        self.is_exact = all(tally.is_exact for tally in tallies.values())
-        """True if all quantiles are exact; otherwise they differ by 0.1 % of their size at most."""
+        self._numbers = dict(sorted(numbers.items(), key=lambda one: (one[0][0] is None, natural(one[0][0] or ""))))
+        self.problems = {file: tuple(lines) for file, lines in problems.items()}
+        self.is_exact = is_exact
+        """True if all quantiles are exact; otherwise they differ by 0.1 % of the size of the next values at most."""
 
     def __len__(self) -> int:
-        return len(self._tallies)
+        return len(self._numbers)
 
     def _kinds(self) -> Mapping[str, RowType]:
         group = {self._group: text} if self._group else {}
@@ -69,29 +80,22 @@ class Statistics(FleetTable):
         }
 
     def _rows(self) -> Iterator[Mapping[str, Any]]:
-        for (group, field), tally in self._tallies.items():
-            yield {
-                **({self._group: group} if self._group else {}),
-                "field": field,
-                **{name: getattr(tally, name) for name in _COUNTS},
-                "mean": _or_none(tally.mean),
-                "min": tally.least if tally.count else None,
-                **{_name(part): _or_none(tally.quantile(part)) for part in self._quantiles},
-                "max": tally.most if tally.count else None,
-            }
+        for (group, field), numbers in self._numbers.items():
+            yield {**({self._group: group} if self._group else {}), "field": field, **numbers}
 
-    def _all(self) -> Iterator[Mapping[str, Any]]:
-        return self._rows()
+    def _complaints(self) -> Iterator[str]:
+        yield from super()._complaints()
+        yield from with_problems(self.problems)
 
     def _table(self) -> Table:
         heads = tuple(self._kinds())
         rows = [row for row, _ in zip(self._rows(), range(SHOWN), strict=False)]
         names = short([row["file"] for row in rows]) if self._group == "file" else {}
-        cells = [tuple(names.get(row[head]) or _shown(row[head]) for head in heads) for row in rows]
+        cells = [tuple(names.get(row[head]) or cell_of(row[head]) for head in heads) for row in rows]
         more = [f"  ... and {len(self) - SHOWN:,} more"] if len(self) > SHOWN else []
         if not self.is_exact:
-            more.append(f"  quantiles of many values differ by {ERROR:.1%} of their size at most")
-        fields = ", ".join(dict.fromkeys(field for _, field in self._tallies)) or "no field"
+            more.append(f"  quantiles of many values differ by {ERROR:.1%} of the size of the next values at most")
+        fields = ", ".join(dict.fromkeys(field for _, field in self._numbers)) or "no field"
         head = f"{fields} in {many(len(self.files), 'recording')}"
         right = [i for i, name in enumerate(heads) if name not in (self._group, "field")]
         return Table(head, heads, cells, right, more, list(self._complaints()))
@@ -103,22 +107,27 @@ def _name(part: float) -> str:
     return f"q{percent.zfill(2) if percent.isdigit() else percent}"
 
 
+def _numbers_of(tally: Tally, quantiles: Sequence[float]) -> dict[str, Any]:
+    """Return the values of the columns."""
+    return {
+        **{name: getattr(tally, name) for name in _COUNTS},
+        "mean": _or_none(tally.mean),
+        "min": tally.least if tally.count else None,
+        **{_name(part): _or_none(tally.quantile(part)) for part in quantiles},
+        "max": tally.most if tally.count else None,
+    }
+
+
 def _or_none(value: float) -> float | None:
     return None if isnan(value) else value
-
-
-def _shown(value: Any) -> str:
-    if value is None:
-        return ""
-    return f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else str(value)
 
 
 def statistics(
     files: Sequence[str],
     given: Sequence[Any],
     by: By | None,
-    known: Mapping[str, str] | None,
-    quantiles: Sequence[float],
+    known: Mapping[str, str | None] | None,
+    quantiles: Iterable[float],
     topics: tuple[str, ...],
     executor: Any,
     longest: float,
@@ -138,37 +147,47 @@ def statistics(
     if not given:
         raise TypeError('statistics(): expected fields, such as "/odom.twist.twist.linear.x" or "front", got none')
     names = [check_value_name(one) for one in given]
+    if not isinstance(quantiles, Iterable) or isinstance(quantiles, str):
+        raise TypeError(f"quantiles: expected numbers from 0 to 1, such as (0.05, 0.5, 0.95), got {quantiles!r}")
+    quantiles = tuple(quantiles)
     for part in quantiles:
         if not 0 <= checked_number("quantiles", part) <= 1:
             raise ValueError(f"quantiles: expected numbers from 0 to 1, got {part!r}")
     groups = known if known is not None else _groups(files, by)
     column = "" if by is None else by if isinstance(by, str) else "group"
-    sink = _Sink(groups)
+    sink = _Sink(groups, quantiles, is_by_day=by == "day")
     job = _Job(tuple(zip(names, given, strict=True)), topics, by if groups is None and isinstance(by, str) else "")
-    gathered = gather(job, files, sink, "Reading values", executor=executor, longest=longest)
+    gathered = gather(job, places_in_index(files), sink, "Reading values", executor=executor, longest=longest)
     rows = gathered.rows
     rows["unread"] = [*rows["unread"], *sink.lacking]
-    if not sink.tallies and rows["until"] is None:
+    numbers = sink.numbers()
+    if not numbers and rows["until"] is None:
         why = next(iter(not_read(rows["unread"])), "the index is empty")
         raise RecordingError(f"none of {many(len(files), 'recording')} has {', '.join(names)}: {why}")
-    return Statistics(column, sink.tallies, quantiles, **rows)
+    return Statistics(column, numbers, quantiles, is_exact=sink.is_exact, problems=sink.problems, **rows)
 
 
-def _groups(files: Sequence[str], by: By | None) -> Mapping[str, str] | None:
+def _groups(files: Sequence[str], by: By | None) -> Mapping[str, str | None] | None:
     """Return the group of each recording, or None if a field of it has the group."""
     if by is None:
         return dict.fromkeys(files, "")
+    if not (isinstance(by, (str, Mapping)) or callable(by)):
+        raise TypeError(f"by: expected a text, a mapping, a function or None, got {by!r}")
     if isinstance(by, Mapping):
         if missing := [file for file in files if file not in by]:
             raise ValueError(f"by: has no group for {missing[0]}, one of {len(missing):,} recordings without one")
-        return {file: str(by[file]) for file in files}
+        return {file: _text(by[file]) for file in files}
     if callable(by):
-        return {file: str(by(file)) for file in files}
+        return {file: _text(by(file)) for file in files}
     if by == "file":
         return {file: file for file in files}
     if by == "folder":
         return {file: str(PurePath(file).parent) for file in files}
     return None
+
+
+def _text(group: Any) -> str | None:
+    return None if group is None else str(group)
 
 
 class _Job:
@@ -191,6 +210,7 @@ class _Job:
                 return {"problem": f"no message of {self._by}"}
             tallies: dict[str, Tally] = {}
             lacking = []
+            start = date_of(recording.start_ns)
             for name, given in self._fields:
                 tally = Tally()
                 try:
@@ -201,7 +221,11 @@ class _Job:
                     continue
                 tally.drives = int(tally.count > 0)
                 tallies[name] = tally
-        return {"tallies": tallies, "lacking": lacking, "group": group} if tallies else {"problem": lacking[0]}
+            problems = recording.problems
+        if not tallies:
+            return {"problem": lacking[0]}
+        day = start and f"{start:%Y-%m-%d}"
+        return {"tallies": tallies, "lacking": lacking, "group": group, "day": day, "problems": list(problems)}
 
 
 class _Sink:
@@ -209,13 +233,20 @@ class _Sink:
 
     Args:
         groups: the group of each recording, or None if its result has it.
+        quantiles: the quantiles of the rows.
+        is_by_day: True to take the day of a recording from its result if the index lacks it.
     """
 
     problem = ""
 
-    def __init__(self, groups: Mapping[str, str] | None) -> None:
-        self._groups = groups
-        self.tallies: dict[tuple[str, str], Tally] = {}
+    def __init__(self, groups: Mapping[str, str | None] | None, quantiles: Sequence[float], *, is_by_day: bool) -> None:
+        self._groups, self._quantiles, self._is_by_day = groups, quantiles, is_by_day
+        self._is_alone = groups is not None and not is_by_day and len({*groups.values()}) == len(groups)
+        self._tallies: dict[tuple[str | None, str], Tally] = {}
+        self._numbers: dict[tuple[str | None, str], dict[str, Any]] = {}
+        self.is_exact = True
+        self.problems: dict[str, Sequence[str]] = {}
+        """The problems of recordings that were read in part."""
         self.lacking: list[Unread] = []
         """Recordings without one of the fields, with the reasons."""
 
@@ -224,7 +255,24 @@ class _Sink:
 
     def add(self, path: str, state: str | None, result: Mapping[str, Any]) -> Any:  # noqa: ARG002
         group = str(result["group"]) if self._groups is None else self._groups[path]
+        if group is None and self._is_by_day:
+            group = result["day"]
+        if result["problems"]:
+            self.problems[path] = result["problems"]
         self.lacking += [Unread(path, problem) for problem in result["lacking"]]
         for name, tally in result["tallies"].items():
-            self.tallies.setdefault((group, name), Tally()).merge(tally)
+            if self._is_alone:  # no other recording has the group, so its values need not stay
+                self._close(group, name, tally)
+            else:
+                self._tallies.setdefault((group, name), Tally()).merge(tally)
         return {}
+
+    def numbers(self) -> Mapping[tuple[str | None, str], Mapping[str, Any]]:
+        """Return the values of the columns, by group and field."""
+        for (group, name), tally in self._tallies.items():
+            self._close(group, name, tally)
+        return self._numbers
+
+    def _close(self, group: str | None, name: str, tally: Tally) -> None:
+        self._numbers[group, name] = _numbers_of(tally, self._quantiles)
+        self.is_exact &= tally.is_exact

@@ -41,6 +41,12 @@ def steps(times: ArrayLike, values: ArrayLike) -> Steps:
     return Steps(np.asarray(times, np.int64), np.asarray(values, np.int8))
 
 
+def known_ns(part: Steps, end_ns: int) -> int:
+    """Return the nanoseconds until ``end_ns`` in which a condition is true or false, and not unknown."""
+    edges = np.minimum(np.append(part.times, end_ns), end_ns)
+    return int(np.diff(edges)[part.values != UNKNOWN].sum())
+
+
 def combined(parts: Sequence[Steps], how: Callable[..., Any]) -> Steps:
     """Join several steps into one, with all their times.
 

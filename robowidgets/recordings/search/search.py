@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...notebook.progress import Progress, without_bars
 from ._search import Search
-from ._steps import steps
+from ._steps import known_ns, steps
 from .base import FunctionCondition, condition
 from .spans import Spans
 
@@ -36,5 +36,6 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
         recording.problems,
         dict.fromkeys(wanted.looked_at(search)),
     )
+    found.known = known_ns(result, search.end_ns) / 1e9
     found.function = wanted.function if isinstance(wanted, FunctionCondition) else None
     return found

@@ -31,10 +31,12 @@ class Spans(HasTable, Sequence[Span]):
 
     Attributes:
         function: the function that was searched with, or None.
+        known: the seconds in which the condition was true or false; in the others, it was unknown.
         shown_by: shows the recording of the spans; None if it is not known.
     """
 
     function: Any = None
+    known: float = 0.0
     shown_by: Callable[..., Any] | None = None
 
     def __init__(

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from math import nan
 from pathlib import Path
-from shutil import copy
+from shutil import copy, rmtree
 from signal import SIGINT
 from threading import Event, current_thread, main_thread
 from typing import Any
@@ -233,10 +233,12 @@ def test_an_index_that_is_trusted_looks_at_no_recording(
 ) -> None:
     there = index(runs / "*.mcap", output=output, executor=Here())
     os.utime(runs / "run_10.mcap", (1, 1))
-    monkeypatch.setattr(os, "stat", lambda *_, **__: pytest.fail("looked at a file"))
+    looked, stat = [], os.stat
+    monkeypatch.setattr(os, "stat", lambda path, **options: looked.append(str(path)) or stat(path, **options))
     assert there.candidates(NEVER, check=False) == []
     hits = there.find(NEVER, check=False)
     assert (len(hits), len(hits.files)) == (0, 2)
+    assert {*looked} == {str(output)}
 
 
 def test_a_new_index_reads_what_is_new_and_leaves_out_what_is_not_named(runs: Path, output: Path) -> None:
@@ -333,3 +335,37 @@ def test_the_command_writes_an_index_and_searches_by_it(
     assert "--field needs --follow" in capsys.readouterr().err
     assert main(["index", *files, "-o", "drives.csv"]) == 2
     assert "expected a name that ends in .parquet" in capsys.readouterr().err
+
+
+def test_a_folder_of_the_index_stays_one_recording_without_its_metadata(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    for name in ("lost", "whole", "gone"):
+        messages = [(float(second), "/level", {"data": 1.0}) for second in range(5)]
+        recorded.write(tmp_path / "runs" / name, {"/level": "std_msgs/msg/Float64"}, messages)
+    found = index(tmp_path / "runs", output=tmp_path / "drives.parquet", executor=Here())
+    sample = index(robowidgets.SAMPLE, output=tmp_path / "sample.parquet", executor=Here())
+    lost, whole = (str(tmp_path / "runs" / name) for name in ("lost", "whole"))
+    (Path(lost) / "metadata.yaml").unlink()
+    rmtree(tmp_path / "runs" / "gone")
+    hits = found.find(conditions.field("/level.data") > 0, executor=Here())
+    assert [hit.file for hit in hits] == [lost, whole]
+    assert [(Path(one.file).name, one.problem) for one in hits.unread] == [("gone", "no such file or folder")]
+    table = found.statistics("/level.data", by="file", executor=Here())
+    assert table.to_arrow()["file"].to_pylist() == [lost, whole]
+    assert set(found.table("/level.data", executor=Here()).to_arrow()["file"].to_pylist()) == {lost, whole}
+    both = found.compare(sample, conditions.field("/level.data") > 0, executor=Here())
+    assert {row["file"] for row in both.by_file().to_arrow().to_pylist()} == {lost, whole}
+
+
+def test_drives_of_an_index_that_was_written_again_say_so(runs: Path, output: Path) -> None:
+    old = index(runs / "run_2.mcap", output=output, executor=Here())
+    new = index(runs, output=output, executor=Here())
+    for ask in (lambda: old.find(NEAR, executor=Here()), old.to_arrow, lambda: len(old)):
+        with pytest.raises(
+            robowidgets.RecordingError, match=r"drives.parquet was written again.*robowidgets.drives\(\)"
+        ):
+            ask()
+    assert len(new) == 4
+    output.unlink()
+    with pytest.raises(robowidgets.RecordingError, match="or removed"):
+        new.to_arrow()

@@ -12,7 +12,7 @@ import pytest
 
 import robowidgets
 from robowidgets import RecordingError, conditions
-from robowidgets.fleet import Drives, Statistics, _engine, _gather, index
+from robowidgets.fleet import Drives, Statistics, _engine, _gather, index, statistics
 from robowidgets.fleet._tally import ERROR, EXACT, Tally
 
 from ..recordings import recorded
@@ -140,7 +140,15 @@ def test_groups_come_from_a_field_the_folder_the_day_a_mapping_or_a_function(tmp
         ((3,), {}, TypeError, "expected a topic with a field"),
         (("frnt",), {}, ValueError, "one of 'nearest', 'front'.*got 'frnt'"),
         (("front",), {"quantiles": [2]}, ValueError, "quantiles: expected numbers from 0 to 1"),
+        (("front",), {"quantiles": 0.5}, TypeError, r"quantiles: expected numbers from 0 to 1, such as .*, got 0.5"),
+        (
+            ("front",),
+            {"quantiles": "0.5"},
+            TypeError,
+            r"quantiles: expected numbers from 0 to 1, such as .*, got '0.5'",
+        ),
         (("front",), {"by": "robot"}, ValueError, "by: expected one of 'file', 'folder', 'day', 'sensors'"),
+        (("front",), {"by": Path("runs")}, TypeError, "by: expected a text, a mapping, a function or None"),
         (("front",), {"by": {}}, ValueError, "by: has no group for .*, one of 4 recordings without one"),
         (("/none.x",), {}, RecordingError, "none of 4 recordings has /none.x: .*no topic '/none'"),
         (("/odom.header.stamp",), {}, RecordingError, "is a time, not a number"),
@@ -196,3 +204,93 @@ def test_quantiles_of_many_values_differ_by_a_thousandth_at_most_in_any_order(se
         assert min(exact) - ERROR * abs(min(exact)) * 1.001 <= found <= max(exact) + ERROR * abs(max(exact)) * 1.001
     assert one.mean == pytest.approx(fsum(values) / len(values), rel=1e-9)
     assert (one.least, one.most) == (values.min(), values.max())
+
+
+def test_a_group_without_a_name_stays_null_apart_from_the_text_none(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    for name, value, version in (("a", 1.0, "None"), ("b", 2.0, "2"), ("c", 3.0, "1")):
+        levels(tmp_path / "runs", name, [value], version)
+    drives = index(tmp_path / "runs", output=tmp_path / "drives.parquet", executor=Here())
+
+    def groups(by: Any) -> list[Any]:
+        table = drives.statistics("/level.data", by=by, executor=Here()).to_arrow()
+        return list(zip(table[0].to_pylist(), table["mean"].to_pylist(), strict=True))
+
+    assert groups({file: None if file.endswith("a") else "None" for file in drives.files}) == [("None", 2.5), (None, 1)]
+    assert groups(lambda file: None if file.endswith("a") else "None") == [("None", 2.5), (None, 1)]
+    assert groups(dict.fromkeys(drives.files)) == [(None, 2)]
+    assert groups("scan") == [(None, 2)]
+    assert sorted(groups("/version.data")) == [("1", 3), ("2", 2), ("None", 1)]
+
+
+def test_the_day_comes_from_a_recording_that_the_index_could_not_read(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    for name in "ab":
+        levels(tmp_path / "runs", name, [1.0, 2.0], None)
+    file = tmp_path / "runs" / "b" / "b.mcap"
+    whole = file.read_bytes()
+    file.write_bytes(b"nothing")
+    drives = index(tmp_path / "runs", output=tmp_path / "drives.parquet", executor=Here())
+    file.write_bytes(whole)
+    (row,) = drives.statistics("/level.data", by="day", executor=Here()).to_arrow().to_pylist()
+    assert (row["day"], row["drives"], row["count"]) == ("2023-11-14", 2, 4)
+
+
+def test_a_recording_that_was_read_in_part_is_named(tmp_path: Path) -> None:
+    levels(tmp_path, "a", [1.0] * 200, None)
+    file = tmp_path / "a" / "a.mcap"
+    file.write_bytes(file.read_bytes()[:-3000])
+    drives = index(tmp_path / "a", output=tmp_path / "drives.parquet", executor=Here())
+    found = drives.statistics("/level.data", executor=Here())
+    assert [*found.problems] == [str(tmp_path / "a")]
+    assert "! 1 file with problems, in .problems: a" in repr(found)
+
+
+def test_values_of_one_drive_do_not_stay_in_memory_if_files_are_the_groups(drives: Drives) -> None:
+    sinks: list[Any] = []
+
+    class Sink(statistics._Sink):
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            super().__init__(*arguments, **options)
+            sinks.append(self)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(statistics, "_Sink", Sink)
+        drives.statistics(SPEED, by="file", executor=Here())
+        drives.statistics(SPEED, by="folder", executor=Here())
+    assert [len(sink._tallies) for sink in sinks] == [0, 2]
+    assert [len(sink.numbers()) for sink in sinks] == [3, 2]
+
+
+def test_quantiles_may_come_from_a_generator(drives: Drives) -> None:
+    found = drives.statistics(SPEED, quantiles=(part for part in (0.1, 0.9)), executor=Here())
+    assert {"q10", "q90"} <= {*found.to_arrow().column_names}
+
+
+def test_the_largest_numbers_have_a_mean_and_quantiles() -> None:
+    most = np.finfo(float).max
+    one, other = Tally(), Tally()
+    one.add(np.array([1.0, most, most, -3.0]))
+    other.add(np.array([most, most, most, most]))
+    one.merge(other)
+    assert one.mean == pytest.approx(most / 8 * 6)
+    assert one.quantile(0.5) == most
+    other.add(np.full(1000, most))
+    assert other.mean == other.quantile(0.5) == most
+    ends = Tally()
+    ends.add(np.array([-most, most]))
+    assert ends.mean == ends.quantile(0.5) == 0
+    small = Tally()
+    small.add(np.array([5e-324, 1e-310, 3e-310]))
+    assert small.mean == fsum([5e-324, 1e-310, 3e-310]) / 3
+    many = Tally()
+    many.add(np.append(np.linspace(0, 1, EXACT), [most, most]))
+    assert not many.is_exact
+    assert many.quantile(1 - 1e-9) == pytest.approx(most, rel=1e-3)
+
+
+def test_the_error_of_a_quantile_is_by_the_size_of_the_values_next_to_it() -> None:
+    values = np.concatenate([-np.linspace(1000, 2000, EXACT), np.linspace(1003, 2000, EXACT)])
+    tally = Tally()
+    tally.add(values)
+    assert abs(tally.quantile(0.5) - np.quantile(values, 0.5)) <= ERROR * 1003
