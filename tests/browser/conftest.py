@@ -231,7 +231,7 @@ def take_page(
         page.mouse.move(0, 0)
         for key in HELD_KEYS:
             page.keyboard.up(key)
-        page.emulate_media(color_scheme="null", reduced_motion="null", forced_colors="null")
+        page.emulate_media(media="null", color_scheme="null", reduced_motion="null", forced_colors="null")
         spare_pages.setdefault(screen, []).append((page, console))
 
 

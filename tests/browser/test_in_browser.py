@@ -129,7 +129,7 @@ class Kinds(anywidget.AnyWidget):
 
 kinds = Kinds()
 custom = []
-kinds.on_msg(lambda _, content, buffers: (custom.append(content), kinds.send({"back": [None]})))
+kinds.on_msg(lambda _, content, buffers: "custom" in content and (custom.append(content), kinds.send({"back": [None]})))
 kinds
 '''
 SHOWN = {
