@@ -118,7 +118,7 @@ class Drives(HasTable):
         if check:
             ruled_out = np.flatnonzero(~found)
             found[ruled_out[self._are_changed(ruled_out)]] = True
-        return sorted(self.index_file.files.filter(found).to_pylist(), key=natural)
+        return sorted(self.index_file.files.filter(library("pyarrow", "drives").array(found)).to_pylist(), key=natural)
 
     def _are_changed(self, which: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return True for each of some recordings, by number, that is not in the same state as when it was read."""
@@ -312,7 +312,10 @@ def _ruled_out(drives: Drives, wanted: Condition, check: bool) -> dict[str, floa
     """
     seconds, lacks = drives.index_file.ruled_out(wanted)
     files = drives.index_file.files
-    asked = {*drives.candidates(wanted, check=check), *files.filter(lacks).to_pylist()}
+    asked = {
+        *drives.candidates(wanted, check=check),
+        *files.filter(library("pyarrow", "drives").array(lacks)).to_pylist(),
+    }
     known = zip(files.to_pylist(), seconds.tolist(), strict=True)
     return {file: one for file, one in known if file not in asked}
 
