@@ -238,7 +238,7 @@ def test_an_index_that_is_trusted_looks_at_no_recording(
     assert there.candidates(NEVER, check=False) == []
     hits = there.find(NEVER, check=False)
     assert (len(hits), len(hits.files)) == (0, 2)
-    assert {*looked} == {str(output)}
+    assert {*looked} <= {str(output)}  # pathlib of Python 3.10 looks past this
 
 
 def test_a_new_index_reads_what_is_new_and_leaves_out_what_is_not_named(runs: Path, output: Path) -> None:
