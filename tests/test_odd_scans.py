@@ -33,7 +33,7 @@ from tests.odd_ranges import MET, ODD, odd_ranges
 sleep, floats = time.sleep, scan.floats
 time.sleep = lambda seconds: sleep(min(seconds, 0.001))
 # What takes long and asks for no distance: the picture above each player, and the end of the tasks' drives.
-player.whole_drive = lambda *arguments: (None, "")
+player.whole_drive = lambda *arguments, **named: (None, "")
 simulate = simulation.simulate
 simulation.simulate = lambda program, robot, seconds: simulate(program, robot, min(seconds, 3.0))
 
