@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..runtime.sizes import approximate_bytes
 from .lines.values import is_kept
 from .machine import Machine, MachineProgress
 from .variables import Variable, Variables
@@ -22,7 +23,7 @@ _MOST_PARTS = 500
 _LARGEST_ARRAY = 10_000
 """Entries of an array in a state that are copied."""
 _OWN = ("state", "variables")
-_SMALL = frozenset({float, int, bool, type(None)})
+_OBJECT_BYTES = 200
 
 
 class KeptStep(NamedTuple):
@@ -68,7 +69,7 @@ class KeptSteps:
         last, size = self._last, 0
         for name, value in own.items():
             if last.get(name) is not value and not is_kept(type(value), numbers_only=True):
-                size += _bytes_of(value)
+                size += approximate_bytes(value, _OBJECT_BYTES)
         self._last = own
         state = variables = progress = None
         why = ""
@@ -135,23 +136,3 @@ def copied_state(state: Mapping[str, Any]) -> dict[str, Any]:
 def _kind_text(kind: type) -> str:
     name = type.__dict__["__name__"].__get__(kind)
     return "an array" if kind is np.ndarray else f"{'an' if name[:1] in 'AEIOUaeiou' else 'a'} {name}"
-
-
-def _bytes_of(value: Any, depth: int = 0) -> int:
-    """Return roughly the bytes of a sample or a message."""
-    kind = type(value)
-    if kind is np.ndarray:
-        return int(value.nbytes)
-    if kind in (bytes, bytearray, memoryview, str):
-        return len(value)
-    if kind is list or isinstance(value, tuple):
-        if depth > 3:
-            return 8 * len(value)
-        return 8 * len(value) + sum(_bytes_of(one, depth + 1) for one in value[:10]) * max(1, len(value) // 10)
-    if depth > 3:
-        return 0
-    size = 200
-    for part in (value if kind is dict else getattr(value, "__dict__", {})).values():
-        if type(part) not in _SMALL:  # a call for each number would take longer than all the rest
-            size += _bytes_of(part, depth + 1)
-    return size

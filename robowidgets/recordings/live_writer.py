@@ -19,6 +19,7 @@ from ..messages.encoding import encode
 from ..messages.standard import ToMessage, mount_message
 from ..repair.write import McapWriter
 from ..runtime.clock import Clock, Detached, Threads, Ticket
+from ..runtime.sizes import approximate_bytes
 from ..runtime.text import many
 from ..runtime.waiters import Waiters
 
@@ -69,7 +70,7 @@ class QueuedWriter(ABC):
         self._waiting: dict[str, deque[tuple[str, int, Any]]] = {}
         """The waiting messages by topic."""
         self._sizes: dict[str, int] = {}
-        """The approximate bytes of the newest message by topic; the messages of a topic are alike."""
+        """The approximate bytes of a message by topic, of the newest one that had to wait; the others are alike."""
         self._flush_at: float | None = None
         """The time at which written messages must be flushed to the file, or None if all are."""
         self._is_closed = self._has_ended = False
@@ -99,7 +100,8 @@ class QueuedWriter(ABC):
     def add(self, topic: str, type_name: str, time_ns: int, message: Any, *, can_be_dropped: bool = True) -> None:
         """Write a message or a sample, given with the type of its topic; drop it if too many wait."""
         waiting = self._waiting.setdefault(topic, deque())
-        self._sizes[topic] = _size(message)
+        if waiting or topic not in self._sizes:
+            self._sizes[topic] = approximate_bytes(message)
         if can_be_dropped and waiting and (len(waiting) >= MOST_WAITING or self._waiting_bytes > MOST_BYTES):
             self._dropped[topic] += 1
             return
@@ -261,21 +263,6 @@ class LiveWriter(QueuedWriter):
             self._registered.add(channel.id)
         self._writer.add(channel, time_ns, data)
         self.written[channel.topic] += 1
-
-
-def _size(value: Any, depth: int = 0) -> int:
-    """Return the approximate bytes of a message or a sample, quickly."""
-    if isinstance(value, (str, bytes, bytearray)):
-        return len(value)
-    nbytes = getattr(value, "nbytes", None)
-    if isinstance(nbytes, int):
-        return nbytes
-    if depth > 4:
-        return 8
-    if isinstance(value, (list, tuple)):
-        return len(value) * _size(value[0], depth + 1) if value else 0
-    parts = value if isinstance(value, dict) else getattr(value, "__dict__", None)
-    return 8 if parts is None else sum(_size(part, depth + 1) for part in list(parts.values()))
 
 
 def _definition(type_name: str, message: Any) -> str:
