@@ -73,7 +73,9 @@ class Hand:
         self._renewer: Ticket | None = None
         self._is_closed = False
 
-    def drive(self, linear: float, angular: float, duration: float, check: Callable[[], object] = bool) -> ToolAnswer:
+    def drive(
+        self, linear: float, angular: float, duration: float, check: Callable[[], object] = lambda: None
+    ) -> ToolAnswer:
         """Drive for some seconds, cut to the limits.
 
         Args:

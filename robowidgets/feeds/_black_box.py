@@ -145,12 +145,6 @@ class BlackBox(FeedTap):
             self._is_ready = False
         self._leave()
 
-    def __enter__(self) -> BlackBox:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def __repr__(self) -> str:
         lines = [f"{self._line}, in {self.folder}", *(f"⚠ {problem}" for problem in self.problems)]
         return "\n".join(lines)
@@ -187,10 +181,8 @@ class BlackBox(FeedTap):
         if is_touch or topic.type in SEVERE_TYPES:
             self._events_of[topic.name] = is_touch
             return True
-        if self._names:
-            return topic.name in self._names or topic.commanded or topic.type == _TF
-        on_screen = self._on_screen
-        is_chosen = topic.name in on_screen if on_screen else is_shown(topic)
+        chosen = self._names or self._on_screen
+        is_chosen = topic.name in chosen if chosen else is_shown(topic)
         return is_chosen or topic.commanded or topic.type == _TF
 
     @property

@@ -270,7 +270,7 @@ class Driver:
             self._connected_by = self._clock.now() + CONNECT_TIMEOUT
 
     def _send_soon(
-        self, velocity: Velocity, stops: int, lease: Lease | None = None, check: Callable[[], object] = bool
+        self, velocity: Velocity, stops: int, lease: Lease | None = None, check: Callable[[], object] = lambda: None
     ) -> None:
         """Send a speed, again and again while a subscriber is connecting."""
         try:

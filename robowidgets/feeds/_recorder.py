@@ -70,12 +70,6 @@ class Recorder(FeedTap):
             self._closed, self._left_out = True, self.left_out
         self._leave()
 
-    def __enter__(self) -> Recorder:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def __repr__(self) -> str:
         count = many(sum(self.written.values()), "message")
         lines = [f"{self.path}: {count}, {self._state}", *(f"⚠ {problem}" for problem in self.problems)]

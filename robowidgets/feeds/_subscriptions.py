@@ -71,7 +71,8 @@ class Subscriptions(Observed):
         self._down = f"connecting to {middleware.where}"
         """The reason why no message can come on any topic, or empty."""
         self.adverts: tuple[Advert, ...] = ()
-        self.nobody = self.black_box = ""
+        self.nobody = ""
+        self.black_box = ""
         self.black_box_troubles: tuple[str, ...] = ()
         self.sent_count = 0
         self._reached = self.is_listed = self.is_closed = self.is_forked = False

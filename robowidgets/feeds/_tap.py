@@ -6,7 +6,7 @@ import threading
 from abc import ABC, abstractmethod
 from collections import Counter
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..behaviors.machine import Machine
 from ..behaviors.program import ENDED
@@ -23,6 +23,9 @@ from .middleware import FeedError, HasOutlet
 
 if TYPE_CHECKING:
     from ._connection import Connection
+
+
+T = TypeVar("T", bound="FeedTap")
 
 
 class FeedTap(ABC):
@@ -85,6 +88,12 @@ class FeedTap(ABC):
     @abstractmethod
     def close(self) -> None:
         """Take no more. Calling it again does nothing. It waits for the disk for at most two seconds."""
+
+    def __enter__(self: T) -> T:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def _begin(self) -> None:
         self._writer.start()

@@ -30,9 +30,8 @@ class Tally:
 
     Up to `EXACT` different values are counted each. If there are more, each value is counted as the middle of a bin
     whose ends differ from it by at most `ERROR` of its size; a quantile lies between two values, and so differs by at
-    most `ERROR` of the size of the greater one. That depends on the values
-    alone, and so the result does not depend on their order. Memory is bounded: all numbers that exist fall into 1.5
-    million bins, and numbers from a millimetre to a kilometre into 7,000.
+    most `ERROR` of the size of the greater one. The result does not depend on the order of the values. Memory is
+    bounded: all numbers that exist fall into 1.5 million bins, and numbers from a millimetre to a kilometre into 7,000.
     """
 
     def __init__(self) -> None:

@@ -34,23 +34,22 @@ BUMPER = Advert("/bumper", "kobuki_msgs/msg/BumperEvent", wanted=False)
 DIAGNOSTICS = Advert("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", wanted=False)
 TF_STATIC = Advert("/tf_static", "tf2_msgs/msg/TFMessage", wanted=False)
 
+ROOT = Path(__file__).parents[3]
 KILLED = """
-import sys, time
+import sys
 from robowidgets import feeds
 from robowidgets.behaviors import Drive
+from tests.unit.waiting import wait_for
 robot = feeds.simulator(wander=False, hz=50)
 box = robot.black_box("/scan", "/odom", seconds=30, folder=sys.argv[1])
 @robot.program
 def ahead():
     return Drive(0.1)
-while box.written["/scan"] < 20:
-    time.sleep(0.01)
+wait_for(lambda: box.written["/scan"] >= 20, "scans are written")
 box.save("a strange noise")
-while not box.written["/robowidgets/black_box"]:
-    time.sleep(0.01)
+wait_for(lambda: box.written["/robowidgets/black_box"], "the cause is written")
 count = box.written["/scan"]
-while box.written["/scan"] == count:  # the cause is flushed before the next message
-    time.sleep(0.01)
+wait_for(lambda: box.written["/scan"] > count, "the cause is flushed, before the next message")
 print("ready", flush=True)
 sys.stdin.read()
 """
@@ -751,7 +750,11 @@ def test_a_wrong_argument_is_named(tmp_path: Path, clock: ManualClock, arguments
 @pytest.fixture
 def killed(tmp_path: Path) -> Iterator[Path]:
     process = subprocess.Popen(
-        [sys.executable, "-c", KILLED, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", KILLED, tmp_path],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
     )
     try:
         assert process.stdout is not None
