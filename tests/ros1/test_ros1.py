@@ -545,11 +545,14 @@ feed = feeds.ros1()
 feed.driving = feeds.Driving("/exit/cmd_vel", hold=60.0)
 wait_for(lambda: any(topic.name == "/exit/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
 feed.drive(0.25)
-wait_for(lambda: feed.connection.middleware._publications.connected, "the robot hears it")
+sys.stdin.readline()
 {end}
 """
-    subprocess.run([sys.executable, "-c", script], cwd=ROOT, env={**os.environ, "ROBOWIDGETS_GUARD": guard})
+    environment = {**os.environ, "ROBOWIDGETS_GUARD": guard}
+    node = subprocess.Popen([sys.executable, "-c", script], cwd=ROOT, env=environment, stdin=subprocess.PIPE, text=True)
     wait_for(lambda: heard, "the robot hears a speed")
+    assert heard[-1] == 0.25
+    node.communicate("go on\n")
     wait_for(lambda: heard[-1] == 0.0, "the robot hears zero")
 
 
