@@ -199,7 +199,7 @@ def test_over_dds_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: lis
 
 @pytest.mark.slow
 def test_over_zenoh_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: list[Sent]) -> None:
-    pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed: pip install eclipse-zenoh")
+    zenoh = pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed: pip install eclipse-zenoh")
     from zenoh import ext
 
     from robowidgets.feeds._ros2_types import dds_type, definitions_of, hash_of
@@ -224,7 +224,11 @@ def test_over_zenoh_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: l
             topic, kind = one.topic.strip("/"), dds_type(one.channel.type)
             cache = ext.CacheConfig(1)
             key = f"0/{topic}/{kind}/{own}"
-            writer = ext.declare_advanced_publisher(robot, key, cache=cache, publisher_detection=True)
+            # By default, zenoh drops what does not fit into its queue: here, messages of all topics at once.
+            block = zenoh.CongestionControl.BLOCK
+            writer = ext.declare_advanced_publisher(
+                robot, key, congestion_control=block, cache=cache, publisher_detection=True
+            )
             node = f"@ros2_lv/0/{robot.info.zid()}/0/{number}/MP/%/%/robot"
             name = f"{node}/%{topic.replace('/', '%')}/{kind}/{own}/:1:,1:,:,:,,"
             publishers.append((writer, robot.liveliness().declare_token(name)))
