@@ -23,12 +23,13 @@ from ..repair.mcap_records import MAGIC
 from ..runtime.text import listed, many
 from ..samples.staleness import PARTS_PAUSE
 from . import _rosbags
+from ._bag import MAGIC as BAG_MAGIC
 from ._chain import Chain
 from ._fallback import FallbackSource
 from ._plain import in_ros as in_ros
 
-_OPENERS = {
-    b"#ROSBAG V2.0\n": _rosbags.open_bag,
+_OPENERS: dict[bytes, Callable[[Path], _rosbags.RosbagsSource]] = {
+    BAG_MAGIC: _rosbags.open_bag,
     MAGIC: _rosbags.open_mcap,
     b"SQLite format 3\0": _rosbags.open_sqlite,
 }

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
 from ..repair import JITTER_NS, LEAP_NS, Arrivals, RecordingError, joined, may_precede_clock
 from ..repair.mcap_records import INDEX_ENTRY, INDEX_HEAD, MESSAGE_INDEX
+from ._bag import BagInParts, BagReader
 from ._mcap import IndexedMcapReader
 
 _MOST_CHUNKS = 1000
@@ -32,7 +32,7 @@ def arrivals_in_bag(reader: BagReader) -> Arrivals:
     return Arrivals(table[order, 0], np.repeat(np.array(list(reader.indexes), np.int64), counts)[order])
 
 
-def arrivals_in_mcap(reader: IndexedMcapReader) -> Arrivals:
+def arrivals_in_chunks(reader: IndexedMcapReader | BagInParts) -> Arrivals:
     """Return the order of arrival: first and last time in each chunk, as if each of its channels had messages then.
 
     All messages are used if time goes back between chunks or within a chunk, leaps within a chunk, or may have begun
@@ -46,7 +46,7 @@ def arrivals_in_mcap(reader: IndexedMcapReader) -> Arrivals:
     is_back = (starts[1:] < np.maximum.accumulate(ends)[:-1] - JITTER_NS).any()
     may_precede = len(starts) > 0 and may_precede_clock(int(starts.min()), int(ends.max()))
     if is_back or may_precede or (ends - LEAP_NS > starts).any() or _goes_back_within(reader):
-        if reader.is_near:
+        if isinstance(reader, BagInParts) or reader.is_near:
             raise RecordingError(f"{reader.path}: its clock may have been set, and all of its indexes are needed")
         return _by_message(reader)
     chunk, channel = index.places[:2, index.places[3] != 0]
@@ -61,7 +61,7 @@ def span_in_mcap(reader: IndexedMcapReader, number: int) -> tuple[int, int] | No
     """Return the log times of a connection's first and last message, or slightly wider times if chunks overlap.
 
     In a remote file, times that are far from others are the times of their chunks, so that few parts are fetched.
-    Return None if the connection has no messages. Raises as `arrivals_in_mcap`.
+    Return None if the connection has no messages. Raises as `arrivals_in_chunks`.
     """
     rows = reader.index.by_channel.get(number)
     if rows is None:
@@ -89,10 +89,10 @@ def arrivals_in_database(reader: Sqlite3Reader) -> Arrivals:
     return Arrivals(table[:, 0], table[:, 1])
 
 
-def _goes_back_within(reader: IndexedMcapReader) -> bool:
+def _goes_back_within(reader: IndexedMcapReader | BagInParts) -> bool:
     """Return True if the clock goes back within a chunk, judged by its channel with the most messages."""
     places = reader.index.places
-    if reader.is_near or not 0 < len(reader.index.starts) <= _MOST_CHUNKS:
+    if isinstance(reader, BagInParts) or reader.is_near or not 0 < len(reader.index.starts) <= _MOST_CHUNKS:
         return False
     most = np.lexsort((-places[3], places[0]))
     most = most[np.append(True, np.diff(places[0, most]) != 0)[: len(most)]]

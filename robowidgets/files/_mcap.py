@@ -40,8 +40,11 @@ _PLACES = np.dtype([("channel", "<u2"), ("offset", "<i8")])
 IsNear = Callable[[int, int], bool]
 
 
-class McapFile(Protocol):
-    """A local path, or a remote file that is read in parts."""
+class File(Protocol):
+    """A remote file that is read in parts."""
+
+    def exists(self) -> bool:
+        """Return True if the file exists."""
 
     def open(self, mode: str) -> BinaryIO:
         """Open the file."""
@@ -126,7 +129,7 @@ class IndexedMcapReader(McapReader):
             exact. Without an index such a file is not read, because that would take all of its bytes.
     """
 
-    def __init__(self, path: Path | McapFile, is_near: IsNear | None = None) -> None:
+    def __init__(self, path: Path | File, is_near: IsNear | None = None) -> None:
         super().__init__(path)  # type: ignore[arg-type]
         self.index = _chunks_from(b"", [])
         self.is_near = is_near

@@ -5,7 +5,6 @@ Only this folder reads files with rosbags.
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +12,6 @@ from typing import Any
 from weakref import finalize
 
 from rosbags.interfaces import Connection, MessageDefinition, MessageDefinitionFormat
-from rosbags.rosbag1 import Reader as BagReader
 from rosbags.rosbag2.metadata import dump_qos_v8
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Reader
 
@@ -21,8 +19,9 @@ from ..messages.channel import Channel, definition_text, full_type
 from ..messages.compression import plain
 from ..repair import Arrivals, Message, RecordingError, is_cut
 from ..runtime.platform_fixes import bound_decompression
-from ._index import arrivals_in_bag, arrivals_in_database, arrivals_in_mcap, span_in_mcap
-from ._mcap import IndexedMcapReader, IsNear, McapFile, has_messages, is_complete
+from ._bag import MAGIC, BagInParts, BagReader
+from ._index import arrivals_in_bag, arrivals_in_chunks, arrivals_in_database, span_in_mcap
+from ._mcap import File, IndexedMcapReader, IsNear, has_messages, is_complete
 
 _NEVER = 2**63 - 1
 
@@ -34,7 +33,16 @@ def open_bag(path: Path) -> RosbagsSource:
     return RosbagsSource(BagReader(path), arrivals_in_bag)
 
 
-def open_mcap(path: Path | McapFile, is_near: IsNear | None = None) -> RosbagsSource:
+def open_in_parts(file: File, is_near: IsNear) -> RosbagsSource:
+    """Open a remote ``.mcap``, or a ``.bag`` of ROS 1, to read it in parts. Raises as `open_mcap`."""
+    with file.open("rb") as head:
+        is_bag = head.read(len(MAGIC)) == MAGIC
+    if is_bag:
+        return RosbagsSource(BagInParts(file, is_near), arrivals_in_chunks, BagInParts.span_ns)
+    return open_mcap(file, is_near)
+
+
+def open_mcap(path: Path | File, is_near: IsNear | None = None) -> RosbagsSource:
     """Open a ``.mcap`` with an index. Raises as `open_bag`, and RecordingError if index or summary is not complete.
 
     Args:
@@ -42,7 +50,7 @@ def open_mcap(path: Path | McapFile, is_near: IsNear | None = None) -> RosbagsSo
         is_near: for a remote file; see `IndexedMcapReader`.
     """
     reader = IndexedMcapReader(path, is_near)
-    source = RosbagsSource(reader, arrivals_in_mcap, span_in_mcap)
+    source = RosbagsSource(reader, arrivals_in_chunks, span_in_mcap)
     if has_messages(reader) and not is_complete(reader):
         source.close()
         raise RecordingError(f"{path}: rosbags leaves out what the summary of the file does not repeat")
@@ -105,8 +113,7 @@ class RosbagsSource:
         asked = {channel.id: channel for channel in channels}
         if asked:
             connections = [self._connections[i] for i in asked]
-            read = self._messages_in_bag if isinstance(self._reader, BagReader) else self._reader.messages
-            for connection, time_ns, raw in read(connections, start_ns, stop_ns):
+            for connection, time_ns, raw in self._reader.messages(connections, start_ns, stop_ns):
                 yield asked[connection.id], time_ns, plain(raw)
 
     @cached_property
@@ -121,13 +128,13 @@ class RosbagsSource:
     def size_of(self, channels: Collection[Channel]) -> int:
         """See `Source`."""
         reader = self._reader
-        if not isinstance(reader, IndexedMcapReader):
+        if not isinstance(reader, (IndexedMcapReader, BagInParts)):
             return 0
         return int(reader.index.compressed[reader.index.of([channel.id for channel in channels], None, None)].sum())
 
     def thinned(self, channels: Collection[Channel], most_bytes: int, most_parts: int) -> Iterator[list[Message]]:
         """See `Source`."""
-        if isinstance(self._reader, IndexedMcapReader):
+        if isinstance(self._reader, (IndexedMcapReader, BagInParts)):
             asked = {channel.id: channel for channel in channels}
             connections = [self._connections[i] for i in asked]
             for part in self._reader.thinned(connections, most_bytes, most_parts):
@@ -136,25 +143,6 @@ class RosbagsSource:
     def close(self) -> None:
         """See `Source`."""
         self._close()
-
-    def _messages_in_bag(
-        self, connections: list[Connection], start_ns: int | None, stop_ns: int | None
-    ) -> Iterator[tuple[Connection, int, bytes]]:
-        """Yield messages like `BagReader.messages`, which would search the index from its beginning to the start."""
-        reader, whole, part = self._reader, self._reader.indexes, {}
-        start, stop = (start_ns or 0,), (_NEVER if stop_ns is None else stop_ns,)
-        for connection in connections:
-            index = whole[connection.id]
-            part[connection.id] = index[bisect_left(index, start) : bisect_left(index, stop)]
-        found = reader.messages(connections, start_ns, stop_ns)
-        try:
-            reader.indexes = part
-            first = next(found, None)  # takes the index
-        finally:
-            reader.indexes = whole
-        if first:
-            yield first
-            yield from found
 
 
 def _channel(connection: Connection) -> Channel:

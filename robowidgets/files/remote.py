@@ -25,7 +25,7 @@ from ._copies import Copy, copies_folder, find, holding, make
 from ._driver_errors import asked, fail
 from ._fallback import FallbackSource
 from ._plain import is_plain
-from ._rosbags import open_mcap
+from ._rosbags import open_in_parts
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(://|::)")
 _QUERY = re.compile(r"(?<=.)\?.*")
@@ -36,8 +36,8 @@ _FROM = ".url"
 _BLOCK = 8 << 20
 WHOLE = 32 << 20
 """The size in bytes up to which any file is fetched whole: then no later question needs the server."""
-_NO_INDEX = re.compile(r"\.(bag|db3|log|clf|gz|active|zstd?)$", re.IGNORECASE)
-_ONLY_MCAP = "only a lone MCAP file is read in parts"
+_NO_INDEX = re.compile(r"\.(db3|log|clf|gz|active|zstd?)$", re.IGNORECASE)
+_ONLY_LONE = "only a lone MCAP file or ROS 1 bag is read in parts"
 _STATE = (
     "etag", "content-md5", "md5hash", "md5", "generation", "versionid", "lastmodified", "last-modified",
     "last_modified", "mtime", "modified", "updated", "created",
@@ -137,12 +137,12 @@ def held(path: Path) -> Fetched:
 def opened(url: str) -> tuple[Fetched, Source]:
     """Return the recording at a URL, and its messages as the file has them.
 
-    A large MCAP file with an index is read in parts; nothing lies at its path. All others are fetched whole.
+    A large MCAP file or ROS 1 bag with an index is read in parts; nothing lies at its path. Others are fetched whole.
 
     Raises:
         RecordingError: it cannot be fetched, stored or read; the text gives the reason and the remedy.
     """
-    fetched, reason = None, _ONLY_MCAP
+    fetched, reason = None, _ONLY_LONE
     if not _is_local(url):
         found = _find(url)
         size = found.objects[0].size
@@ -194,7 +194,7 @@ class _Found(NamedTuple):
 
     @property
     def may_have_index(self) -> bool:
-        """True if the recording is one file that may be an MCAP file."""
+        """True if the recording is one file that may be an MCAP file or a ROS 1 bag."""
         return not self.is_folder and not _NO_INDEX.search(self.objects[0].name)
 
     @property
@@ -236,7 +236,7 @@ def _fetch(found: _Found, reason: str = "") -> Fetched:
 
 
 def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
-    """Open an MCAP file with an index, and read only what is requested.
+    """Open an MCAP file or a ROS 1 bag with an index, and read only what is requested.
 
     Raises:
         _WholeError: the file has to be fetched whole; the text gives the reason.
@@ -266,7 +266,7 @@ def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
 
     file = RemoteFile(shown, found.key, open_parts)
     try:
-        source = open_mcap(file, is_near=file.is_near)
+        source = open_in_parts(file, file.is_near)
         try:
             if has_clock_step(source.arrivals):
                 raise _WholeError("its clock was set")
