@@ -23,7 +23,8 @@ laser
 _DRAG = """
 async (picture, seconds) => {
     const { left, top, width, height } = picture.getBoundingClientRect();
-    const chip = () => picture.querySelector(".rw-chip-expression")?.value;
+    // The chip stands in the picture or below it.
+    const chip = () => picture.parentElement.querySelector(".rw-chip-expression")?.value;
     const send = (type, angle) => {
         const [x, y] = [left + width / 2 + 120 * Math.sin(angle), top + 0.58 * height - 120 * Math.cos(angle)];
         const where = { clientX: x, clientY: y, pointerId: 1, isPrimary: true, button: 0, bubbles: true };
