@@ -123,7 +123,7 @@ def test_a_number_in_a_message_is_plotted_when_the_page_asks_for_it(opened: Open
     view = feed.show("/imu as message")
     (message,) = view.widgets.values()
     assert isinstance(message, MessageWidget)
-    assert message._plots
+    assert synced(message, "_plots")
     from_page(message, {"plot": "angular_velocity.z"})
     (plot,) = [widget for widget in view.children if isinstance(widget, PlotWidget)]
     script.listener.on_message("/imu", {"angular_velocity": {"z": 0.25}})
@@ -326,7 +326,7 @@ def test_the_cell_of_a_view_next_to_the_notebook_shows_a_bar_which_is_closed_wit
     data, _ = bar._repr_mimebundle_()
     assert view._repr_mimebundle_()[0] == data
     assert data[shown]["model_id"] == bar.model_id
-    assert bar._view == view.model_id
+    assert synced(bar, "_view") == view.model_id
     view.close()
     assert bar.comm is None
     with pytest.raises(TypeError, match="beside: expected True or False, got 'right'"):

@@ -184,7 +184,7 @@ def test_a_click_opens_the_player_at_the_moment_with_all_moments_of_the_file_mar
     assert sheet.player is player  # it is open already
     from_page(sheet.widget, {"open": 0})
     assert sheet.player is not player
-    assert sheet.widget._opened == 0
+    assert synced(sheet.widget, "_opened") == 0
 
 
 def test_a_moment_whose_file_is_gone_is_reported_and_the_open_one_stays(sheet: Sheet, hits: Hits) -> None:

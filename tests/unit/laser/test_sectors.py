@@ -21,6 +21,7 @@ from robowidgets.samples.sector_code import for_scan
 from robowidgets.samples.stretches import parse, sector_of, stretches
 
 from ...vectors import SECTORS, read, to_scan
+from ..pages import synced
 
 SCANS = {case["name"]: case for case in read()["scans"]}
 FORMS = (Sector("20deg", "30deg"), ("20deg", "30deg"), (radians(20), radians(30)))
@@ -111,7 +112,7 @@ class TestRays:
         laser.selection = picked
         assert laser.sectors["kept"] == laser.selection.sector == FORMS[0]
         laser.highlight(picked)
-        assert laser._highlight == {"text": "", "sector": _plain(FORMS[0])}
+        assert synced(laser, "_highlight") == {"text": "", "sector": _plain(FORMS[0])}
         laser.close()
 
     def test_no_selection_is_not_a_sector_rather_than_all_rays(self) -> None:

@@ -57,7 +57,7 @@ def test_what_comes_when_it_comes_beats_and_in_a_player_nothing_does(monkeypatch
         widget.title = "/events"
         wait_for(lambda page=page: len(page.sent("_beat")) > 3, "beats come")
         widget.follow_player()
-        assert widget._beat == 0
+        assert synced(widget, "_beat") == 0
         del page.messages[:]
         widget.title = "/recorded"
         wait_for(lambda page=page: page.sent("title") == ["/recorded"], "its title is sent")

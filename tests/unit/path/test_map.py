@@ -793,8 +793,8 @@ class TestPlayer:
     def test_a_page_has_the_layers_of_its_stretch(self, drive: Path, tmp_path: Path) -> None:
         player = played(drive, "/map", "/odom", "/amcl_pose")
         within = map_of(player).widget.within(2.0, 4.0)
-        assert within["_grids"] == map_of(player).widget._grids, "the map, which came before"
-        assert 0 < len(within["_tracks"]) < len(map_of(player).widget._tracks)
+        assert within["_grids"] == synced(map_of(player).widget, "_grids"), "the map, which came before"
+        assert 0 < len(within["_tracks"]) < len(synced(map_of(player).widget, "_tracks"))
         page = player.to_html(tmp_path / "map.html", start=2, end=4)
         assert page.stat().st_size < 1_500_000
         player.close()

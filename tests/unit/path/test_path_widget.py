@@ -17,6 +17,7 @@ from robowidgets.poses import path as _path
 from robowidgets.poses.path import Path
 from robowidgets.samples import Pose
 
+from ..pages import synced
 from ..waiting import wait_for
 
 
@@ -202,7 +203,7 @@ class TestWidget:
         path.send_newest()
         path.update(odometry(2.0, 1.0))
         path.send_newest()
-        last = np.frombuffer(path._path).reshape(-1, 5)[-1]
+        last = np.frombuffer(synced(path, "_path")).reshape(-1, 5)[-1]
         assert (last[1], last[4]) == (2.0, pytest.approx(0.19))
         path.close()
 

@@ -520,7 +520,7 @@ def test_a_player_has_the_fields_in_one_plot_that_follows_its_time() -> None:
         player = recording.show("/scan", "/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x")
     (plot,) = (view.widget for view in player.views if isinstance(view.widget, PlotWidget))
     assert plot.names == ("/odom.twist.twist.linear.x", "/cmd_vel.twist.linear.x")
-    assert plot.model_id in player.bar._followers
+    assert plot.model_id in synced(player.bar, "_followers")
     (view,) = (view for view in player.views if view.widget is plot)
     times = [timed.seconds for timed in view.track.frames(10.0, 11.0)]
     before = [max(plot[name][0][plot[name][0] <= 10.0]) for name in plot.names]

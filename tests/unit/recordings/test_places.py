@@ -17,6 +17,7 @@ from robowidgets.recordings.odometry import places_of
 from robowidgets.samples import Pose
 from robowidgets.screens.player import Player
 
+from ..pages import synced
 from . import corridor, recorded, sweeps
 from .recorded import START_NS
 
@@ -113,13 +114,13 @@ def test_a_player_follows_another_to_the_same_place_and_stays_if_there_is_none(s
     slow.follow(None)
     fast.time = 3.0
     assert slow.time == 1.0
-    assert slow.bar._leader == {}
+    assert synced(slow.bar, "_leader") == {}
 
 
 def test_the_page_gets_when_and_where_to(show: Show) -> None:
     fast, slow = show("fast"), show("slow")
     slow.follow(fast, within=0.25)
-    state = slow.bar._leader
+    state = synced(slow.bar, "_leader")
     times, seconds = (np.frombuffer(state[name]) for name in ("times", "seconds"))
     assert state["model"] == fast.bar.model_id
     assert state["lost"] == "no place within 0.25 m of fast"

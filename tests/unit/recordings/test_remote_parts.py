@@ -15,6 +15,7 @@ import robowidgets
 from robowidgets import conditions
 from robowidgets.files import remote
 
+from ..pages import synced
 from . import long_drive
 from .range_server import RangeServer, serving
 
@@ -141,7 +142,7 @@ def test_a_server_that_fails_while_parts_are_read_is_named_and_the_player_is_sho
         server.refusals += [403]
         with closing(recording.show("/scan")) as player:
             assert player.scanogram is None
-            assert player.bar._note.startswith("no scanogram: http://127.0.0.1")
+            assert synced(player.bar, "_note").startswith("no scanogram: http://127.0.0.1")
 
 
 @pytest.mark.slow
@@ -151,7 +152,7 @@ def test_a_player_of_a_long_drive_reads_what_it_shows_and_makes_a_scanogram_of_p
         before = server.sent
         with closing(recording.show("/scan", "/speed")) as player:
             assert player.scanogram is not None
-            assert player.bar._note == (
+            assert synced(player.bar, "_note") == (
                 "the scanogram shows 740 of 2,000 scans, evenly spread: its messages lie in 180.3 MB on a server; "
                 "recording.show(scanogram=True) reads all"
             )

@@ -14,6 +14,7 @@ from robowidgets.scanogram import of_recording as source
 from robowidgets.scanogram._codes import fold
 
 from ..pages import synced
+from ..scanogram.pictures import picture_of
 from . import robot, sweeps
 
 
@@ -21,11 +22,6 @@ from . import robot, sweeps
 def sample() -> Iterator[robowidgets.Recording]:
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         yield recording
-
-
-def picture_of(widget: ScanogramWidget) -> robowidgets.scanogram_widget.Picture:
-    assert widget._picture
-    return widget._picture
 
 
 def test_every_scan_of_a_recording_is_in_it(sample: robowidgets.Recording) -> None:

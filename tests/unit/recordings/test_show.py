@@ -385,7 +385,7 @@ def test_a_step_that_the_page_cannot_take_goes_to_a_message_of_any_topic_of_the_
 
 
 def test_scans_and_speeds_grow_old_and_touches_hold(player: Player) -> None:
-    assert player.bar._pauses == [2.0, 2.0, 0.0, 2.0]
+    assert synced(player.bar, "_pauses") == [2.0, 2.0, 0.0, 2.0]
 
 
 def test_the_first_segments_are_in_the_state_of_the_bar(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -570,10 +570,10 @@ def test_a_scanogram_that_takes_long_at_the_measured_rate_is_left_out_and_a_line
     words = "no scanogram: 1,200 scans of 40 rays take about 48 s; recording.show(scanogram=True) makes it"
     for wanted, there, told in ((None, False, words), (False, False, ""), (True, True, "")):
         with shown(path, scanogram=wanted) as player:
-            assert (player.scanogram is not None, player.bar._note) == (there, told)
+            assert (player.scanogram is not None, synced(player.bar, "_note")) == (there, told)
     monkeypatch.setattr("robowidgets.scanogram.overview.readings_per_second", lambda *_: 4_800.0)
     with shown(path) as player:
-        assert (player.scanogram is not None, player.bar._note) == (True, "")
+        assert (player.scanogram is not None, synced(player.bar, "_note")) == (True, "")
 
 
 def test_the_rate_of_a_scanogram_is_measured_on_its_first_scans(
@@ -591,15 +591,15 @@ def test_a_drive_of_which_every_scan_is_damaged_has_no_scanogram_and_no_words_on
     good = sweeps.numbered(30)
     path = sweeps.write(tmp_path / "torn", [(seconds, raw[:40]) for seconds, raw in good])
     with shown(path) as player:
-        assert (player.scanogram, player.bar._note) == (None, "")
+        assert (player.scanogram, synced(player.bar, "_note")) == (None, "")
         assert player.notes[0].startswith("⚠ /scan: messages that cannot be shown are left out")
 
 
 def test_the_bar_knows_the_date_of_the_start_if_there_is_one(path: Path, data: Path) -> None:
     with shown(path) as player:
-        assert player.bar._start == robot.START_NS / S
+        assert synced(player.bar, "_start") == robot.START_NS / S
     with shown(data / "good" / "turtlebot3_gazebo.bag", "/odom") as player:
-        assert player.bar._start is None
+        assert synced(player.bar, "_start") is None
 
 
 def test_settings_of_the_player_itself_are_sent_as_its_own(player: Player, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,9 @@ from robowidgets import ScanogramWidget
 from robowidgets.scanogram.levels import COARSEST
 from robowidgets.scanogram.page_parts import detail, most_single, overview
 
+from ..pages import synced
 from ..recordings import long_drive
+from .pictures import picture_of
 
 CHUNKS = 60
 CHUNK_BYTES = 6_000
@@ -41,7 +43,7 @@ def thinned(path: Path) -> tuple[ScanogramWidget, str]:
     """Return the scanogram of a player, and the line of the player."""
     with robowidgets.open(path) as recording, closing(recording.show("/scan", "/speed")) as player:
         assert player.scanogram is not None
-        return player.scanogram, player.bar._note
+        return player.scanogram, synced(player.bar, "_note")
 
 
 def facts(frame: bytes) -> dict[str, Any]:
@@ -57,7 +59,7 @@ def test_a_player_shows_parts_of_the_drive_at_once_and_says_how_many_scans_are_m
         "recording.show(scanogram=True) reads all"
     )
     assert widget.scans_shown == "120 of 600 scans"
-    told = facts(widget._frame)
+    told = facts(synced(widget, "_frame"))
     assert (told["scan_count"], told["drive_scans"]) == (120, 600)
     assert "speed" not in told, "the speeds lie in as many bytes"
     assert (told["begin"], told["duration"]) == (0.0, pytest.approx(59.9))
@@ -68,9 +70,7 @@ def test_its_columns_are_those_of_the_whole_and_between_the_parts_there_are_none
     with robowidgets.open(path) as recording:
         whole = recording.scanogram("/scan")
     assert not whole.is_thinned
-    assert widget._picture is not None
-    assert whole._picture is not None
-    few, all_of_it = (overview(one._picture.levels, one._picture.clock) for one in (widget, whole))  # type: ignore[union-attr]
+    few, all_of_it = (overview(one.levels, one.clock) for one in map(picture_of, (widget, whole)))
     same = np.searchsorted(all_of_it.starts, few.starts)
     assert (all_of_it.starts[same] == few.starts).all()
     assert (all_of_it.cells[same] == few.cells).all()
@@ -86,8 +86,7 @@ def test_no_cell_reaches_from_one_part_to_the_next_however_few_columns_the_page_
     path: Path, monkeypatch: pytest.MonkeyPatch, columns: int
 ) -> None:
     monkeypatch.setattr("robowidgets.recordings.data.THINNED_READ", (CHUNKS * CHUNK_BYTES, 40))
-    picture = thinned(path)[0]._picture
-    assert picture is not None
+    picture = picture_of(thinned(path)[0])
     part = detail(picture.levels, picture.clock, 0, 60, columns)
     assert len(part.starts) > COARSEST, "a whole drive would have coarser levels"
     assert part.level == 0
@@ -102,9 +101,7 @@ def test_many_rays_leave_room_for_few_scans_of_each_part_and_then_for_fewer_part
 ) -> None:
     for room, expected in ((1000, 10 * PARTS), (PARTS * 3 + 1, 3 * PARTS), (5, 4)):
         monkeypatch.setattr("robowidgets.scanogram.of_recording.most_single", lambda _, room=room: room)
-        widget, _ = thinned(path)
-        picture = widget._picture
-        assert picture is not None
+        picture = picture_of(thinned(path)[0])
         assert len(picture.clock) == expected
         assert (picture.clock.ends - picture.clock.starts).max() < 0.11
     assert most_single(100_000) >= 1
@@ -115,9 +112,9 @@ def test_on_request_all_of_it_is_read_and_a_saved_page_does_not_read_it_unasked(
         with closing(recording.show("/scan", "/speed", scanogram=True)) as player:
             assert player.scanogram is not None
             assert not player.scanogram.is_thinned
-            assert player.bar._note == ""
+            assert synced(player.bar, "_note") == ""
         with closing(recording.show("/scan", "/speed", scanogram=False)) as player:
-            assert (player.scanogram, player.bar._note) == (None, "")
+            assert (player.scanogram, synced(player.bar, "_note")) == (None, "")
         with closing(recording.show("/scan", "/speed")) as player:
             for name, wanted in (("without", None), ("whole", True)):
                 player.to_html(tmp_path / f"{name}.html", start=0, end=5, scanogram=wanted)
@@ -158,7 +155,7 @@ def test_a_damaged_part_is_reported_and_the_file_is_not_read_whole_to_repair_it(
     path.write_bytes(raw)
     with robowidgets.open(path) as recording, closing(recording.show("/scan", "/speed")) as player:
         assert player.scanogram is None
-        assert player.bar._note.startswith("no scanogram: a part of the file cannot be read")
+        assert synced(player.bar, "_note").startswith("no scanogram: a part of the file cannot be read")
 
 
 def test_chunks_larger_than_the_limit_leave_the_line_without_a_picture(
@@ -168,13 +165,12 @@ def test_chunks_larger_than_the_limit_leave_the_line_without_a_picture(
     with robowidgets.open(path) as recording, closing(recording.show("/scan")) as player:
         assert recording.thinned_scans("/scan") == []
         assert player.scanogram is None
-        assert player.bar._note.startswith("no scanogram: its messages lie in ")
+        assert synced(player.bar, "_note").startswith("no scanogram: its messages lie in ")
 
 
 def test_parts_of_one_scan_each_last_as_long_as_a_scan(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robowidgets.scanogram.of_recording.most_single", lambda _: PARTS)
-    picture = thinned(path)[0]._picture
-    assert picture is not None
+    picture = picture_of(thinned(path)[0])
     assert picture.clock.ends - picture.clock.starts == pytest.approx(np.full(PARTS, 0.1), abs=0.001)
     assert picture.clock.notes == ()
 
@@ -187,8 +183,6 @@ def test_a_file_without_an_index_of_parts_has_none(data: Path) -> None:
 def test_of_parts_that_overlap_only_one_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = long_drive.write(tmp_path / "drive.mcap", CHUNKS, image=1000, overlap_ns=950_000_000)
     monkeypatch.setattr("robowidgets.recordings.data.THINNED_READ", (10 * CHUNKS * CHUNK_BYTES, CHUNKS))
-    widget, _ = thinned(path)
-    picture = widget._picture
-    assert picture is not None
+    picture = picture_of(thinned(path)[0])
     assert len(picture.clock) == 10 * CHUNKS // 2
     assert picture.clock.notes == ()

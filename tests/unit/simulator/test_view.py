@@ -12,7 +12,7 @@ from robowidgets import Arc, LaserWidget, Line, feeds
 from robowidgets.simulator import Robot, Scanner, View, World, room
 from robowidgets.simulator.view import HEADER, PATH_SECONDS
 
-from ..pages import from_page
+from ..pages import from_page, synced
 from ..waiting import wait_for
 
 WORLD = World([(3.0, -2.0, 3.0, 2.0)], [(0.0, 1.5, 0.25)])
@@ -54,7 +54,7 @@ def test_a_page_gets_the_robot_its_scan_its_path_and_the_room() -> None:
     assert path[-1, 1] == pytest.approx(robot.pose.x, abs=0.1)
     assert np.diff(path[:, 1]).min() > 0.04
     assert obstacles.tolist() == [[0.0, 1.5, 0.25]]
-    assert np.frombuffer(view._walls, "<f4").tolist() == [3, -2, 3, 2]
+    assert np.frombuffer(synced(view, "_walls"), "<f4").tolist() == [3, -2, 3, 2]
     assert repr(view) == f"<View simulator: robot at x {robot.pose.x:.2f}, y 0.00 m, 1 obstacle>"
     view.close()
 
@@ -70,7 +70,7 @@ def test_a_page_gets_what_is_drawn_on_the_lasers_of_the_robot_until_its_time_is_
         wall, soon = view.get_state()["_shapes"]
         assert wall == {"name": "wall", "kind": "line", "at": [[1.0, -1.0], 5], "color": "green", "turned": 0.5}
         assert soon["name"] == "soon"
-        wait_for(lambda: view._shapes == [wall], "its time is over")
+        wait_for(lambda: synced(view, "_shapes") == [wall], "its time is over")
         sent: list[Any] = []
         view.comm.send = lambda data, **_: sent.append(data["state"])
         laser.draw("wall", None)
@@ -167,7 +167,7 @@ def test_another_world_is_taken_where_the_robot_has_room_and_shown() -> None:
     view = View(robot)
     robot.world = World([(2.0, -1.0, 2.0, 1.0)])
     shown(view)
-    assert np.frombuffer(view._walls, "<f4").tolist() == [2, -1, 2, 1]
+    assert np.frombuffer(synced(view, "_walls"), "<f4").tolist() == [2, -1, 2, 1]
     with pytest.raises(ValueError, match=r"pose: expected a place with 0.18 m of room"):
         robot.world = World([(0.0, -1.0, 0.0, 1.0)])
     with pytest.raises(TypeError, match="world: expected World, got 'maze'"):

@@ -25,7 +25,7 @@ from robowidgets.widget.paced_widget import RESYNC_S, RESYNC_TRAITS
 from robowidgets.widget.pacer import pacer
 from robowidgets.widget.robot_widget import RobotWidget
 
-from ..pages import Page
+from ..pages import Page, synced
 from ..senders import turn_of
 from ..waiting import Clock, wait_for
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
@@ -416,8 +416,8 @@ class TestBundle:
 
     def test_instances_share_one_text(self) -> None:
         one, other = LaserWidget(), LaserWidget()
-        assert one._script is other._script
-        assert one._style is other._style is LaserWidget._css
+        assert synced(one, "_script") is synced(other, "_script")
+        assert synced(one, "_style") is synced(other, "_style") is LaserWidget._css
 
     def test_what_the_host_runs_for_each_instance_is_small(self) -> None:
         state = LaserWidget().get_state()

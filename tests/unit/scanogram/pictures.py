@@ -1,0 +1,12 @@
+"""The scans that a scanogram shows, and the size of its levels."""
+
+from robowidgets import ScanogramWidget
+from robowidgets.scanogram_widget import Picture
+
+
+def picture_of(widget: ScanogramWidget | None) -> Picture:
+    """Return the picture of a scanogram that shows scans."""
+    assert widget is not None
+    picture = widget._picture
+    assert picture is not None
+    return picture
