@@ -81,9 +81,15 @@ class Notebook:
                 raise CellError(_plain(output["traceback"]))
         return self.text(index)
 
+    @property
+    def kinds(self) -> list[str]:
+        """The type of each cell, such as ``code``."""
+        kinds: list[str] = self._ask("cells", self.path)
+        return kinds
+
     def run_all(self) -> None:
         """Run the code cells from top to bottom. Raises as `run` does, at the first that raises."""
-        for index, kind in enumerate(self._ask("cells", self.path)):
+        for index, kind in enumerate(self.kinds):
             if kind == "code":
                 self.run(index)
 

@@ -82,11 +82,11 @@ class _Socket(WebSocketHandler):
 
     def open(self, name: str) -> None:
         self.page = self.pages[name]
-        self.page._socket = self
+        self.page.socket = self
 
     def on_message(self, message: str | bytes) -> None:
         assert isinstance(message, bytes)
-        self.page._arrived.put(message)
+        self.page.arrived.put(message)
 
 
 class _Comm(BaseComm):
@@ -97,7 +97,7 @@ class _Comm(BaseComm):
     def publish_msg(
         self, msg_type: str, data: Any = None, _metadata: Any = None, buffers: Any = None, **_: Any
     ) -> None:
-        self.page._post({"kind": msg_type, "comm": self.comm_id, "data": data}, buffers or ())
+        self.page.post({"kind": msg_type, "comm": self.comm_id, "data": data}, buffers or ())
 
 
 class PlainPage:
@@ -110,11 +110,11 @@ class PlainPage:
         self._texts: dict[int, str] = {}
         self._server = server
         self._name = f"{id(self)}"
-        self._socket: _Socket | None = None
-        self._arrived: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
+        self.socket: _Socket | None = None
+        self.arrived: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
         self._kernel = threading.RLock()
         self._is_busy = False
-        self._namespace: dict[str, Any] = {"__name__": "__main__"}
+        self.namespace: dict[str, Any] = {"__name__": "__main__"}
         self._thread = threading.Thread(target=self._handle, daemon=True)
         self._create_comm = comm.create_comm
 
@@ -128,13 +128,13 @@ class PlainPage:
 
     def close(self) -> None:
         """Close all its widgets, feeds and recordings."""
-        for value in self._namespace.values():
+        for value in self.namespace.values():
             if isinstance(value, (Feed, RecordingData, Widget)):
                 value.close()
         Widget.close_all()
         comm.create_comm = self._create_comm
         del self._server.pages[self._name]
-        self._arrived.put(None)
+        self.arrived.put(None)
         self._thread.join()
 
     # Cells
@@ -148,7 +148,7 @@ class PlainPage:
         self._settle()
         self.page.evaluate("(cell) => host.clear(cell)", index)
         shown: list[Widget] = []
-        self._namespace["display"] = lambda *widgets: shown.extend(widgets)
+        self.namespace["display"] = lambda *widgets: shown.extend(widgets)
         self._texts[index] = self._execute(self._cells[index], shown)
         self._settle()
         for widget in shown:
@@ -195,7 +195,7 @@ class PlainPage:
             with self._kernel:
                 started.set()
                 while not ended.wait(0.001):
-                    exec(compiled, self._namespace)
+                    exec(compiled, self.namespace)
 
         with ThreadPoolExecutor(1) as cell:
             running = cell.submit(run)
@@ -242,7 +242,7 @@ class PlainPage:
         pacer.flush()
         self.page.evaluate("() => host.settle()")
 
-    def _post(self, header: dict[str, Any], buffers: Sequence[Any]) -> None:
+    def post(self, header: dict[str, Any], buffers: Sequence[Any]) -> None:
         parts = [bytes(buffer) for buffer in buffers]
         text = json.dumps({**header, "sizes": [len(part) for part in parts]}).encode()
         message = struct.pack("<I", len(text)) + text + b"".join(parts)
@@ -250,11 +250,11 @@ class PlainPage:
             self._server.loop.call_soon_threadsafe(self._write, message)
 
     def _write(self, message: bytes) -> None:
-        if self._socket is not None and self._socket.ws_connection is not None:
-            self._socket.write_message(message, binary=True)
+        if self.socket is not None and self.socket.ws_connection is not None:
+            self.socket.write_message(message, binary=True)
 
     def _handle(self) -> None:
-        while (message := self._arrived.get()) is not None:
+        while (message := self.arrived.get()) is not None:
             length = struct.unpack_from("<I", message)[0]
             header = json.loads(message[4 : 4 + length])
             start = 4 + length
@@ -264,7 +264,7 @@ class PlainPage:
                 start += size
             with self._kernel:
                 if header.get("settle"):
-                    self._post({"kind": "settled"}, ())
+                    self.post({"kind": "settled"}, ())
                 elif (found := comm.get_comm_manager().get_comm(header["comm"])) is not None:
                     found.handle_msg({"content": {"data": header["data"]}, "buffers": buffers, "metadata": {}})
 
@@ -277,8 +277,8 @@ class PlainPage:
         printed = io.StringIO()
         with self._kernel, contextlib.redirect_stdout(printed):
             try:
-                exec(compile(tree, file, "exec"), self._namespace)
-                result = last and eval(compile(ast.Expression(last.value), file, "eval"), self._namespace)
+                exec(compile(tree, file, "exec"), self.namespace)
+                result = last and eval(compile(ast.Expression(last.value), file, "eval"), self.namespace)
             except Exception:
                 raise CellError(traceback.format_exc()) from None
         if isinstance(result, Widget):

@@ -160,7 +160,7 @@ def test_the_notebook_does_not_see_the_keys_of_a_pad(notebook: Callable[..., Not
     for key in ("x", "a", "b", "w", "d", "ArrowDown"):
         nb.page.keyboard.down(key)
         nb.page.keyboard.up(key)
-    assert nb._ask("cells", nb.path) == ["code", "code"]
+    assert nb.kinds == ["code", "code"]
     nb.page.keyboard.down("ArrowUp")
     numbers(nb, "0.40", "0.00")
     nb.page.keyboard.up("ArrowUp")
@@ -397,7 +397,7 @@ def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[PlainPage]:
     """A plain page with a pad of a robot that a program drives until the end of the test."""
     nb = plain_page([PROGRAM])
     yield nb
-    nb._namespace["runs"] = False
+    nb.namespace["runs"] = False
 
 
 def test_a_kernel_that_does_not_answer_is_not_reported_to_have_stopped_a_program(driven_page: PlainPage) -> None:

@@ -171,10 +171,10 @@ def test_moved_things_stay_until_a_busy_kernel_answers(plain_page: Callable[...,
     with nb.busy():
         house.drag((0, 0), (-1.0, -1.0))
         expect(footer).to_contain_text("x \u22121.00 y \u22121.00 m")
-        nb._namespace["robot"].step(0.3)
+        nb.namespace["robot"].step(0.3)
         expect(nb.widget(0).locator(".rw-facts")).to_contain_text("0.4 s")
         expect(footer).to_contain_text("x \u22121.00 y \u22121.00 m")
-        assert nb._namespace["robot"].pose[:2] == (0, 0)
+        assert nb.namespace["robot"].pose[:2] == (0, 0)
     wait_for(lambda: house.is_at("robot.pose[:2]", -1.0, -1.0), "it is moved once the kernel is free")
     with nb.busy():
         house.drag((-1.0, -1.0), (-2.99, 0.5))

@@ -183,7 +183,7 @@ def test_keys_stop_from_the_bar_and_escape_from_anywhere_in_its_view(notebook: C
     nb.widget(0).locator(".rw-touch .rw-picture").focus()
     nb.page.keyboard.press("Escape")
     expect(stop_of(nb)).to_have_text("Stopped")
-    assert nb._ask("cells", nb.path) == ["code", "code"]
+    assert nb.kinds == ["code", "code"]
     allow_of(nb).click()
     says(nb, PROGRAM)
     nb.page.keyboard.press("Control+Escape")
