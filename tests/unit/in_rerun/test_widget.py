@@ -16,6 +16,7 @@ from robowidgets.in_rerun import widget as widget_module
 from robowidgets.in_rerun.widget import RerunWidget
 from robowidgets.screens.player import Player
 
+from ..pages import synced
 from ..waiting import wait_for
 
 pytest.importorskip("rerun_notebook", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")
@@ -27,7 +28,7 @@ class Viewer:
     def __init__(self, widget: RerunWidget) -> None:
         self._widget = widget
         self.told: list[float] = []
-        widget._viewer.set_time_ctrl = self._tell
+        widget.children[0].set_time_ctrl = self._tell
 
     def _tell(self, timeline: str, *, duration_nanos: int, play: bool) -> None:
         assert timeline == "recording_time"
@@ -73,6 +74,11 @@ def player() -> Iterator[Player]:
 
 def becomes(widget: Any, seconds: float) -> None:
     wait_for(lambda: widget.time == pytest.approx(seconds, abs=1e-9), f"it is {seconds} s")
+
+
+def get_address(widget: RerunWidget) -> str:
+    """Return the address from which the viewer fetches the data."""
+    return str(synced(widget.children[0], "_url"))
 
 
 def tells(viewer: Viewer, *seconds: float) -> None:
@@ -230,15 +236,16 @@ def test_viewer_and_player_follow_one_time_and_come_to_rest(player: Player) -> N
 
 
 def test_if_it_is_closed_nothing_is_served_any_more(widget: RerunWidget) -> None:
-    with urlopen(widget._url, timeout=240) as answer:
+    address = get_address(widget)
+    with urlopen(address, timeout=240) as answer:
         assert answer.read(4) == b"RRF2"
     widget.close()
     with pytest.raises(HTTPError, match="404"):
-        urlopen(widget._url, timeout=240)
+        urlopen(address, timeout=240)
 
 
 def test_the_viewer_is_fetched_from_here(widget: RerunWidget) -> None:
-    address = widget._viewer._esm
+    address = synced(widget.children[0], "_esm")
     assert address.startswith("http://127.0.0.1:")
     with urlopen(address, timeout=240) as answer:
         assert b"const fetch =" in answer.read(200)
@@ -250,7 +257,7 @@ def test_a_new_one_does_not_know_the_old_one(widget: RerunWidget, viewer: Viewer
     with robowidgets.open(robowidgets.SAMPLE) as recording:
         other = recording.to_rerun(None, "/scan")
     assert isinstance(other, RerunWidget)
-    assert other._url != widget._url
+    assert get_address(other) != get_address(widget)
     other.time = 5.0
     assert widget.time == 0
     other.close()
@@ -260,6 +267,6 @@ def test_a_page_of_the_player_leaves_the_viewer_on_show(player: Player) -> None:
     assert player.rerun is not None
     player.html_size(start=1, end=2)
     assert player.rerun.comm is not None
-    assert player.rerun._viewer.comm is not None
+    assert player.rerun.children[0].comm is not None
     player.time = 3.0
     assert player.rerun.time == 3.0
