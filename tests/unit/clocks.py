@@ -46,6 +46,11 @@ class ManualClock:
         assert not self._waits, "advance() wakes the waiting threads"
         self._now = now
 
+    def jump(self, seconds: float) -> None:
+        """Advance the time without waking a thread."""
+        with self._lock:
+            self._now += seconds
+
     def signal(self) -> _Signal:
         return _Signal(self)
 
@@ -106,8 +111,7 @@ class ManualClock:
     def stand_still(self, seconds: float, hangs: tuple[str, ...] = ()) -> None:
         """Advance the time while the process stands still: all waiting threads wake late, by the same time."""
         self.settle(hangs)
-        with self._lock:
-            self._now += seconds
+        self.jump(seconds)
         self.advance(hangs=hangs)
 
     def settle(self, hangs: tuple[str, ...] = ()) -> None:

@@ -366,7 +366,7 @@ def stand(clock: ManualClock, how: str) -> None:
     if how == "sleep":
         clock.asleep += STANDSTILL + 0.1
     else:
-        clock._now += STANDSTILL + 0.1
+        clock.jump(STANDSTILL + 0.1)
 
 
 @pytest.mark.parametrize("how", ["pause", "sleep"])
@@ -401,7 +401,7 @@ def test_a_speed_that_was_requested_before_a_standstill_is_not_sent_after_it(
     clock.settle()
     with watchdog._lock:  # its thread cannot send meanwhile
         waiting = watchdog.drive(LEFT, hold=60.0)
-        clock._now += 3.0
+        clock.jump(3.0)
         stops = watchdog.stops
     clock.advance(0.1)
     assert waiting.done

@@ -159,7 +159,7 @@ def test_after_a_standstill_of_its_own_a_guard_sends_zero_and_refuses_what_was_r
     if how == "sleep":
         guarded.clock.asleep += 3.0
     else:
-        guarded.clock._now += 3.0
+        guarded.clock.jump(3.0)
     refused = {"hold": 60.0, "sent_at": guarded.clock.now() + guarded.clock.slept()}
     assert guarded.drive(**refused)[3:5] == ("FeedError", "the guard has stopped the robot meanwhile")
     told = next(told for told in guarded.told if told[0] == "stopped")
