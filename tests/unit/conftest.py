@@ -19,6 +19,7 @@ from robowidgets.widget import pacer as _pacer  # noqa: E402
 from robowidgets.widget.pacer import Pacer  # noqa: E402
 
 from .feeds.scripted import CMD_VEL, SCAN, Scripted  # noqa: E402
+from .senders import get_timers, turn_of  # noqa: E402
 from .waiting import wait_for  # noqa: E402
 
 lock_order.note_calls()
@@ -41,8 +42,8 @@ def pacer() -> Iterator[Pacer]:
     """A pacer of the test's own, with a thread; it sends nothing more after the test."""
     pacer = Pacer()
     yield pacer
-    with pacer._turn:
-        for sender in {*pacer._due, *pacer._timers}:
+    with turn_of(pacer):
+        for sender in {*pacer._due, *get_timers(pacer)}:
             pacer.forget(sender)
 
 

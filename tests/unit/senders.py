@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
+from typing import Any
 
 from robowidgets.runtime.clock import Threads
 from robowidgets.widget.pacer import Pacer
@@ -17,6 +19,11 @@ MOST_IN_A_SECOND = 300
 def turn_of(pacer: Pacer) -> AbstractContextManager[bool]:
     """Hold the turn of a pacer: nothing is sent meanwhile."""
     return pacer._turn
+
+
+def get_timers(pacer: Pacer) -> Mapping[Any, float]:
+    """Return the senders that a pacer sends later, with their times."""
+    return pacer._timers
 
 
 class Sender:
