@@ -27,7 +27,7 @@ from robowidgets.feeds.middleware import SEND_TIMEOUT, Advert, FeedError
 
 from ..conftest import ROOT
 from ..unit.feeds.ears import Ears
-from ..unit.pages import synced
+from ..unit.pages import get_newest, synced
 from ..unit.waiting import wait_for
 from .conftest import PACKAGES, PYTHON
 
@@ -600,7 +600,7 @@ def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish
     widget = feed.wires().wires
 
     def wire(name):
-        return next((one for one in widget._newest.sample.wires if one.name == name), None)
+        return next((one for one in get_newest(widget).sample.wires if one.name == name), None)
 
     wait_for(lambda: wire("/wired/scan") and wire("/wired/scan").value, "a scan came")
     wait_for(lambda: wire("/wired/scan").rate, "its rate is known")
@@ -610,8 +610,8 @@ def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish
     assert wire("/wired/scan").subscribers == ()
     wait_for(lambda: wire("/wired/cmd_vel"), "the robot listens")
     (base,) = wire("/wired/cmd_vel").subscribers
-    assert lidar in widget._newest.sample.nodes
-    assert base in widget._newest.sample.nodes
+    assert lidar in get_newest(widget).sample.nodes
+    assert base in get_newest(widget).sample.nodes
     assert lidar in wire("/rosout").publishers
     widget.close()
 

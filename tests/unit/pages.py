@@ -13,6 +13,7 @@ from ipywidgets.widgets.widget import _put_buffers
 from traitlets.log import get_logger
 
 from robowidgets.screen_widget import ScreenWidget
+from robowidgets.widget.newest_sample import NewestSample
 
 
 class Page:
@@ -84,3 +85,20 @@ def from_page(widget: Any, content: Any) -> None:
 def synced(widget: Any, name: str) -> Any:
     """Return a trait as the page has it."""
     return widget.get_state(name)[name]
+
+
+def get_newest(widget: Any) -> NewestSample[Any]:
+    """Return the newest sample of a widget with its texts, sent or not."""
+    newest: NewestSample[Any] = widget._newest
+    return newest
+
+
+def parse_sample(widget: Any, frame: bytes, *about: Any) -> Any:
+    """Return the sample that a widget reads from a frame for the page."""
+    return widget._unpack(frame, *about)
+
+
+def get_edition(widget: Any) -> int:
+    """Return the number of changes after which a player sends the frames of a widget again."""
+    edition: int = widget._edition
+    return edition

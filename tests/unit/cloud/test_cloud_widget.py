@@ -19,6 +19,7 @@ from robowidgets.tracks import track_of
 from robowidgets.widget.large_frames import MOST_KEPT_BYTES
 
 from ...vectors import BANDS
+from ..pages import parse_sample
 from ..recordings.recorded import write
 from ..screens.test_to_html import parts
 from .test_cloud import OVER, cloud_message, points_of
@@ -191,6 +192,6 @@ def test_a_recording_shows_its_clouds_and_a_band_of_them_as_a_scan_and_says_what
 def count_in(widget: CloudWidget | LaserWidget, frame: bytes) -> int:
     """The number of points in a frame, or of rays with a point."""
     if isinstance(widget, LaserWidget):
-        return sum(ray.source is not None for ray in widget._unpack(frame))
+        return sum(ray.source is not None for ray in parse_sample(widget, frame))
     facts = frame[36 : frame.index(b"}") + 1]
     return int(facts.split(b'"total": ')[1].split(b",")[0])

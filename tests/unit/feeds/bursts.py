@@ -11,6 +11,7 @@ import robowidgets
 from robowidgets.feeds import Feed
 from robowidgets.messages import to_scan
 
+from ..pages import get_newest
 from ..waiting import wait_for
 
 BURSTS, OF = 10, 20
@@ -41,11 +42,11 @@ def record_bursts(middleware: Any, path: Path, send: Callable[[list[float]], obj
         with feed.record(path, "/scan") as recorder:
             feed.connection.attach("/scan", lambda said: seen.append(float(to_scan(said).ranges[0])), lambda _: None)
             wait_for(lambda: send([0.0]) or len(seen) > 2, "each is recorded")
-            before = laser._newest.sequence
+            before = get_newest(laser).sequence
             for burst in range(BURSTS):
                 send([(burst * OF + i + 1) / 100 for i in range(OF)])
             wait_for(lambda: send([LAST]) or seen[-1] == LAST, "the last came")
-            shown = laser._newest.sequence - before
+            shown = get_newest(laser).sequence - before
         problems = recorder.problems
     with robowidgets.open(path) as recording:
         readings = [round(float(moment.sample.ranges[0]), 2) for moment in recording.samples("/scan")]

@@ -18,6 +18,7 @@ from robowidgets.messages.encoding import encode
 from ... import camera_drive
 from ..clocks import ManualClock
 from ..cloud.test_cloud_widget import cloud_message
+from ..pages import get_newest
 from ..waiting import wait_for
 from .fox import definition, serving
 
@@ -124,7 +125,7 @@ def test_its_depth_image_and_its_cloud_are_lasers_where_that_is_asked_for(robot:
 
     def said() -> str:
         publish(DEPTH, camera_drive.fields(there[DEPTH]))
-        return str(of_depth._newest.about.get("error", ""))
+        return str(get_newest(of_depth).about.get("error", ""))
 
     wait_for(lambda: said().startswith("no camera_info"), "it says what is missing")
 

@@ -23,6 +23,7 @@ from robowidgets.messages.decoding import decoder_of, definition_of
 from robowidgets.messages.encoding import encode
 from robowidgets.widget.sample_widget import SampleWidget
 
+from ..pages import get_newest
 from ..recordings.first_messages import Sent, by_type, first_messages
 from ..recordings.test_fields import bits
 from ..waiting import wait_for
@@ -96,7 +97,8 @@ def is_empty(widget: Any) -> bool:
     """Return True if a widget shows nothing. The images of two recordings are invalid, and the widget reports that."""
     if isinstance(widget, PlotWidget):
         return not any(len(widget[name][1]) for name in widget.names)
-    return widget._newest.sample is None and not widget._newest.about.get("error", "").startswith("the picture is")
+    newest = get_newest(widget)
+    return newest.sample is None and not newest.about.get("error", "").startswith("the picture is")
 
 
 def assert_shown(feed: Feed, sent: Sequence[Sent], send: Callable[[int], object]) -> None:

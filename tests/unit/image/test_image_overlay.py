@@ -37,6 +37,7 @@ from robowidgets.screens.layout import on_one_screen
 from robowidgets.widget.freezing import freeze_together
 
 from ... import camera_drive, map_scene
+from ..pages import get_edition
 from ..recordings import recorded
 
 SECOND = 1_000_000_000
@@ -285,9 +286,9 @@ def test_a_recording_shows_its_camera_with_what_is_kept_on_the_laser_and_its_dep
         over = told("/camera/image_raw")["over"]
         assert {one["kind"] for one in over["drawn"]} >= {"area", "cone"}
         assert (over["laser"], "missing" in over) == (laser.model_id, False)
-        edition = image._edition
+        edition = get_edition(image)
         laser.sectors["near"] = ("-10deg", "10deg")
-        assert image._edition > edition  # the player sends its pictures again
+        assert get_edition(image) > edition  # the player sends its pictures again
         assert "near" in [one["name"] for one in told("/camera/image_raw")["over"]["drawn"]]
         # The page may turn it off and on again without Python.
         image.overlay = False

@@ -15,6 +15,7 @@ from robowidgets.plots.row import PLOTTED
 
 from ...more_rows.gauges import added
 from ...more_rows.on_demand import AnyWidget
+from ..pages import synced
 
 
 @pytest.mark.parametrize(
@@ -115,8 +116,8 @@ def test_what_is_added_to_a_screen_has_its_classes_from_the_start() -> None:
         for name, of in (("/joints", "sensor_msgs/msg/JointState"), ("/fix", "sensor_msgs/msg/NavSatFix"))
     ]
     made = {choice.topic: choice.make() for choice in choose_widgets(topics, ["/joints", "/fix"])}
-    assert made["/joints"]._dom_classes == ("rw-added",)
-    assert made["/fix"]._dom_classes == ("rw-added", "rw-added-row")
+    assert synced(made["/joints"], "_dom_classes") == ("rw-added",)
+    assert synced(made["/fix"], "_dom_classes") == ("rw-added", "rw-added-row")
 
 
 def of_types(**types: str) -> list[FeedTopic]:

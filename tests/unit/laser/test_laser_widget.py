@@ -18,7 +18,7 @@ from robowidgets import LaserWidget, Scan, Validity
 from robowidgets.widget.pacer import pacer
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
-from ..pages import Page
+from ..pages import Page, get_newest, parse_sample
 
 GEOMETRY = {"angle_min": -0.5, "angle_increment": 0.5, "range_min": 0.1, "range_max": 30.0}
 STAMP = 1_700_000_000_000_000_001
@@ -40,7 +40,7 @@ def page(laser: LaserWidget) -> Page:
 
 def shown(laser: LaserWidget, frame: bytes) -> Scan:
     """The scan in a frame, as the page would read it."""
-    return laser._unpack(frame)
+    return parse_sample(laser, frame)
 
 
 def same(a: Scan, b: Scan) -> bool:
@@ -353,13 +353,13 @@ class TestUpdate:
     def test_a_rate_that_falls_below_half_is_reported_and_goes_when_it_recovers(
         self, laser: LaserWidget, page: Page
     ) -> None:
-        laser._newest.meter._rates.extend([10.0] * 20 + [4.0] * 3)
+        get_newest(laser).meter._rates.extend([10.0] * 20 + [4.0] * 3)
         laser.update(**MESSAGE)
         pacer.flush()
         ((what, remedy),) = page.state["_about"]["problems"]
         assert what == "scans come at less than half of their usual 10 Hz"
         assert remedy.startswith("is the network slow")
-        laser._newest.meter._rates.append(9.0)
+        get_newest(laser).meter._rates.append(9.0)
         laser.update(**MESSAGE)
         pacer.flush()
         assert "problems" not in page.state["_about"]

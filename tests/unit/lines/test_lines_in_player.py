@@ -23,7 +23,7 @@ from robowidgets.runtime.policies import RECORDED
 from robowidgets.screens.player import Player
 
 from ..clocks import ManualClock
-from ..pages import from_page, synced
+from ..pages import from_page, get_newest, synced
 from ..recordings import recorded
 from ..recordings.sweeps import START_NS, TYPE, scan
 from ..waiting import wait_for
@@ -71,7 +71,9 @@ def frame(widget: RecordedLinesWidget) -> dict[str, Any]:
 
 def step_at(widget: RecordedLinesWidget, seconds: float) -> dict[str, Any]:
     """The step that is shown once the values of a time have been computed."""
-    wait_for(lambda: (new := widget._newest.sample) and new.made and new.seconds == seconds, f"it shows {seconds} s")
+    wait_for(
+        lambda: (new := get_newest(widget).sample) and new.made and new.seconds == seconds, f"it shows {seconds} s"
+    )
     (step,) = frame(widget)["steps"]
     return dict(step)
 

@@ -17,7 +17,7 @@ from robowidgets.widget.pacer import INTERVAL
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from ..feeds.scripted import SCAN, Scripted, scan
-from ..pages import Page, from_page, synced
+from ..pages import Page, from_page, get_newest, synced
 from ..waiting import wait_for
 
 # ruff: noqa: N801, N805
@@ -199,7 +199,7 @@ def test_of_two_threads_that_tell_a_step_at_once_the_last_one_tells_the_newest(
 
     monkeypatch.setattr(widget, "_show", is_overtaken)
     widget._on_step()
-    wait_for(lambda: widget._newest.sample is machine.last_step, "the newest is reported")
+    wait_for(lambda: get_newest(widget).sample is machine.last_step, "the newest is reported")
     widget.close()
 
 

@@ -16,6 +16,7 @@ from robowidgets.feeds import recording as play
 from robowidgets.messages.standard import scan_message
 
 from ... import camera_drive
+from ..pages import parse_sample
 from ..samples.test_mounts import HANGING, LEFT, own_scan, tf
 from .recorded import START_NS, write
 
@@ -83,7 +84,7 @@ def test_a_mount_by_hand_holds_in_what_a_player_sends_ahead_and_on_pages(turned:
     player = turned.show("/scan")
     with player._open_tracks() as (track,):
         timed = next(track.frames(5.0, 5.0))
-    scan = player.views[0].widget._unpack(timed.frame, timed.about)
+    scan = parse_sample(player.views[0].widget, timed.frame, timed.about)
     assert scan.distance("right") == 0.75
     assert "words" not in timed.about.get("mount", {})
     assert "turned 90.0" not in player.to_html(tmp_path / "page.html").read_text()

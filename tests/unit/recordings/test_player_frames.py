@@ -18,6 +18,7 @@ from robowidgets.touch.frames import TICK
 from robowidgets.tracks import NEW, pack
 from robowidgets.widget.timed_frame import FRAME_HEADER, TimedFrame
 
+from ..pages import parse_sample
 from . import robot
 
 
@@ -50,7 +51,7 @@ def agree(player: Player, seed: int) -> None:
             about_frame = {name: text for name, text in timed.about.items() if name != NEW}
             assert about == about_frame, (seconds, view.choice.topic)
             if isinstance(view.widget, SpeedWidget):
-                was, now = view.widget._unpack(frame), view.widget._unpack(timed.frame)
+                was, now = parse_sample(view.widget, frame), parse_sample(view.widget, timed.frame)
                 assert repr((was.measured, was.commanded)) == repr((now.measured, now.commanded)), seconds
             elif isinstance(view.widget, LaserWidget | PathWidget):
                 assert frame[FRAME_HEADER.size :] == timed.frame[FRAME_HEADER.size :], (seconds, view.choice.topic)
@@ -121,7 +122,7 @@ def test_frames_tell_with_which_of_them_a_message_came(path: Path, of: str) -> N
 
 def test_frames_of_speeds_have_no_peaks_because_a_peak_is_of_one_moment(player: Player) -> None:
     (view,) = (view for view in player.views if isinstance(view.widget, SpeedWidget))
-    readings = [view.widget._unpack(timed.frame) for timed in view.track.frames(0.0, 2.0)]
+    readings = [parse_sample(view.widget, timed.frame) for timed in view.track.frames(0.0, 2.0)]
     assert any(reading.measured for reading in readings)
     assert np.isnan([(*reading.least, *reading.greatest) for reading in readings]).all()
 

@@ -14,7 +14,7 @@ from robowidgets.scanogram import of_recording as source
 from robowidgets.scanogram._codes import fold
 
 from ..pages import synced
-from ..scanogram.pictures import picture_of
+from ..scanogram.pictures import get_picture
 from . import robot, sweeps
 
 
@@ -27,7 +27,7 @@ def sample() -> Iterator[robowidgets.Recording]:
 def test_every_scan_of_a_recording_is_in_it(sample: robowidgets.Recording) -> None:
     widget = sample.scanogram()
     assert widget.title == "/scan"
-    picture = picture_of(widget)
+    picture = get_picture(widget)
     moments = list(sample.samples("/scan"))
     for number in (0, 100, len(moments) - 1):
         scan = moments[number].sample
@@ -39,7 +39,7 @@ def test_every_scan_of_a_recording_is_in_it(sample: robowidgets.Recording) -> No
 
 
 def test_speed_and_touch_stand_under_it(sample: robowidgets.Recording) -> None:
-    picture = picture_of(sample.scanogram("/scan"))
+    picture = get_picture(sample.scanogram("/scan"))
     assert picture.speed
     assert picture.speed.title == "/odom"
     assert picture.touch
@@ -49,7 +49,7 @@ def test_speed_and_touch_stand_under_it(sample: robowidgets.Recording) -> None:
 
 def test_a_real_bump_is_where_it_was(data: Path) -> None:
     with robowidgets.open(data / "good" / "neato_fsm") as recording:
-        picture = picture_of(recording.scanogram())
+        picture = get_picture(recording.scanogram())
     assert picture.touch
     assert picture.touch.sensors == ["left front", "right front"]
     assert picture.touch.spans[:, 0] == pytest.approx([21.96, 21.96], abs=0.01)
@@ -58,12 +58,12 @@ def test_a_real_bump_is_where_it_was(data: Path) -> None:
 def test_a_recording_too_large_for_memory_is_read_again_on_access(
     sample: robowidgets.Recording, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    held = picture_of(sample.scanogram())
+    held = get_picture(sample.scanogram())
     monkeypatch.setattr(source, "MEMORY_BYTES", 1000)
     sample.memory = 1 << 20
     widget = sample.scanogram()
     sample.close()
-    picture = picture_of(widget)
+    picture = get_picture(widget)
     assert widget._file
     assert widget._file.memory == 1 << 20
     assert isinstance(picture.levels.scans, source.ScansInFile)
@@ -89,7 +89,7 @@ def test_scans_that_count_their_rays_differently_are_drawn_by_angle(
     scans = [[1.0 if abs(i / count - 0.5) < 0.1 else 5.0 for i in range(count)] for count in counts]
     with written(tmp_path, scans, [2 * np.pi / count for count in counts]) as recording:
         widget = recording.scanogram()
-    picture = picture_of(widget)
+    picture = get_picture(widget)
     assert synced(widget, "_about")["notes"][0] == "the scans have 91 to 100 rays: drawn by angle, without indices"
     assert picture.levels.sweep.by_angle
     assert picture.levels.counts.tolist() == [6000, 0, 0, 0, 0]
@@ -107,14 +107,14 @@ def test_scans_that_take_too_much_when_they_are_as_fine_as_the_finest_are_read_a
         recording.memory = 40_000
         widget = recording.scanogram()
     assert sum(4 * len(scan) for scan in scans) < 40_000 < 4 * 199 * 60
-    assert isinstance(picture_of(widget).levels.scans, source.ScansInFile)
+    assert isinstance(get_picture(widget).levels.scans, source.ScansInFile)
     widget.close()
 
 
 def test_scans_that_break_off_keep_the_indices_of_their_rays(tmp_path: Path) -> None:
     with written(tmp_path, [[1.0] * 8, [2.0] * 5, [1.0] * 8, []]) as recording:
         widget = recording.scanogram()
-    picture = picture_of(widget)
+    picture = get_picture(widget)
     assert not picture.levels.sweep.by_angle
     assert synced(widget, "_about")["notes"][0] == "1 of 4 scans have no rays, or more than 8: not in the picture"
     seen = picture.levels.scans.read(1, 2)[0]
@@ -128,7 +128,7 @@ def test_a_scanner_that_is_turned_is_drawn_by_angle(tmp_path: Path) -> None:
         widget = recording.scanogram()
     said = "the scans have rays at other angles now and then: drawn by angle, without indices"
     assert synced(widget, "_about")["notes"][0] == said
-    seen = picture_of(widget).levels.scans.read(2, 3)[0]
+    seen = get_picture(widget).levels.scans.read(2, 3)[0]
     assert np.array_equal(seen, [np.nan, np.nan, 1, 2], equal_nan=True)
 
 
@@ -136,33 +136,33 @@ def test_one_scan_with_far_more_rays_does_not_make_all_others_as_large(tmp_path:
     with written(tmp_path, [[1.0] * 4] * 20 + [[2.0] * 100_000]) as recording:
         widget = recording.scanogram()
     assert synced(widget, "_about")["notes"][0] == "1 of 21 scans have no rays, or more than 4: not in the picture"
-    assert picture_of(widget).levels.sweep.ray_count == 4
+    assert get_picture(widget).levels.sweep.ray_count == 4
 
 
 def test_under_the_scans_of_a_robot_stand_its_own_speed_and_touches(tmp_path: Path) -> None:
     with robowidgets.open(robot.write(tmp_path / "two", robots=("/one", "/two"))) as recording:
         for name in ("/one", "/two"):
-            picture = picture_of(recording.scanogram(f"{name}/scan"))
+            picture = get_picture(recording.scanogram(f"{name}/scan"))
             assert picture.speed
             assert picture.speed.title == f"{name}/odom"
             assert picture.touch
             assert picture.touch.title == f"{name}/bumper"
-        chosen = picture_of(ScanogramWidget.of(recording, "/one/scan", ["/one/cmd_vel"]))
+        chosen = get_picture(ScanogramWidget.of(recording, "/one/scan", ["/one/cmd_vel"]))
         assert chosen.speed
         assert (chosen.speed.title, chosen.touch) == ("/one/cmd_vel", None)
         player = recording.show("/two/scan", "/two/bumper")
     assert player.scanogram
-    shown = picture_of(player.scanogram)
+    shown = get_picture(player.scanogram)
     assert shown.touch
     assert (shown.speed, shown.touch.title) == (None, "/two/bumper")
     player.close()
 
 
 def test_its_levels_take_a_quarter_of_the_memory_of_a_recording(sample: robowidgets.Recording) -> None:
-    usual = picture_of(sample.scanogram()).levels
+    usual = get_picture(sample.scanogram()).levels
     size = sum(codes.nbytes for codes in usual._kept)
     sample.memory = 4 * size // 3
-    levels = picture_of(sample.scanogram()).levels
+    levels = get_picture(sample.scanogram()).levels
     assert sum(codes.nbytes for codes in levels._kept) < size / 3
     assert levels._first > usual._first
     assert (levels._kept[0] == fold(usual._kept[0], 1 << (levels._first - usual._first))).all()

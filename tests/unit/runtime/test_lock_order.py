@@ -7,6 +7,7 @@ import threading
 from robowidgets.widget.observed import Observed
 
 from ..lock_order import Checked, NotedLock, calls, edges, listed, problems_of
+from ..pages import get_newest
 
 
 def taken_by(*locks: NotedLock) -> None:
@@ -26,7 +27,7 @@ def taken_by(*locks: NotedLock) -> None:
 def test_locks_of_the_package_are_noted_by_the_names_of_the_page() -> None:
     from robowidgets import LaserWidget
 
-    assert isinstance(LaserWidget()._newest.lock, NotedLock)
+    assert isinstance(get_newest(LaserWidget()).lock, NotedLock)
     assert "NewestSample.lock" in listed()
 
 

@@ -18,6 +18,7 @@ from robowidgets.messages import to_scan
 from robowidgets.tracks import track_of
 
 from ..forms import FORMS
+from ..pages import parse_sample
 from ..recordings.recorded import stamped, write
 
 RAYS = [[1.0, 4.5, 5.0], [2.0], [], [0.5, 3.0]]
@@ -160,7 +161,7 @@ def test_a_recording_has_all_echoes_of_each_scan_and_a_player_shows_the_chosen_o
         track = track_of(recording, choice, laser)
 
         def shown() -> set[float]:
-            return {float(laser._unpack(timed.frame).ranges[0]) for timed in track.frames(0.0, 2.0)}
+            return {float(parse_sample(laser, timed.frame).ranges[0]) for timed in track.frames(0.0, 2.0)}
 
         first = shown()
         laser.echo = "last"

@@ -4,7 +4,7 @@ from robowidgets import ScanogramWidget
 from robowidgets.scanogram_widget import Picture
 
 
-def picture_of(widget: ScanogramWidget | None) -> Picture:
+def get_picture(widget: ScanogramWidget | None) -> Picture:
     """Return the picture of a scanogram that shows scans."""
     assert widget is not None
     picture = widget._picture

@@ -10,7 +10,7 @@ import traitlets
 from robowidgets import ScanogramWidget
 
 from ..pages import synced
-from .pictures import picture_of
+from .pictures import get_picture
 
 SECOND = 1_000_000_000
 GEOMETRY = {"angle_min": -1.0, "angle_increment": 0.01, "range_min": 0.1, "range_max": 30.0}
@@ -46,7 +46,7 @@ def test_it_shows_what_it_was_given_also_when_the_arrays_are_used_again(scanogra
     arrays = {"times_ns": given["times_ns"], "ranges": given["ranges"].astype(np.float32)}
     scanogram.update(**{**given, **arrays})
     arrays["ranges"][:], arrays["times_ns"][:] = 1.0, 0
-    shown = picture_of(scanogram).levels.scans
+    shown = get_picture(scanogram).levels.scans
     assert np.unique(shown.read(0, 2_000)).tolist() == [5.0]
     assert shown.times_ns[-1] == 7 * SECOND + 1_999 * SECOND // 10
 
@@ -185,7 +185,7 @@ def test_a_file_that_is_gone_leaves_the_coarse_picture_and_a_word(caplog: pytest
 
     whole = ScanogramWidget()
     whole.update(**scans())
-    whole.show_scans(Gone(), picture_of(whole).levels.sweep._replace(ray_count=100), 0)
+    whole.show_scans(Gone(), get_picture(whole).levels.sweep._replace(ray_count=100), 0)
     whole.set_state({"_wanted": [100.0, 101.0, 800.0]})
     assert synced(whole, "_about")["error"] == "no finer detail: the disk is out"
     assert "no finer detail: the disk is out" in caplog.text

@@ -20,7 +20,7 @@ from robowidgets.scanogram.page_parts import detail, most_single, overview
 
 from ..pages import synced
 from ..recordings import long_drive
-from .pictures import picture_of
+from .pictures import get_picture
 
 CHUNKS = 60
 CHUNK_BYTES = 6_000
@@ -70,7 +70,7 @@ def test_its_columns_are_those_of_the_whole_and_between_the_parts_there_are_none
     with robowidgets.open(path) as recording:
         whole = recording.scanogram("/scan")
     assert not whole.is_thinned
-    few, all_of_it = (overview(one.levels, one.clock) for one in map(picture_of, (widget, whole)))
+    few, all_of_it = (overview(one.levels, one.clock) for one in map(get_picture, (widget, whole)))
     same = np.searchsorted(all_of_it.starts, few.starts)
     assert (all_of_it.starts[same] == few.starts).all()
     assert (all_of_it.cells[same] == few.cells).all()
@@ -86,7 +86,7 @@ def test_no_cell_reaches_from_one_part_to_the_next_however_few_columns_the_page_
     path: Path, monkeypatch: pytest.MonkeyPatch, columns: int
 ) -> None:
     monkeypatch.setattr("robowidgets.recordings.data.THINNED_READ", (CHUNKS * CHUNK_BYTES, 40))
-    picture = picture_of(thinned(path)[0])
+    picture = get_picture(thinned(path)[0])
     part = detail(picture.levels, picture.clock, 0, 60, columns)
     assert len(part.starts) > COARSEST, "a whole drive would have coarser levels"
     assert part.level == 0
@@ -101,7 +101,7 @@ def test_many_rays_leave_room_for_few_scans_of_each_part_and_then_for_fewer_part
 ) -> None:
     for room, expected in ((1000, 10 * PARTS), (PARTS * 3 + 1, 3 * PARTS), (5, 4)):
         monkeypatch.setattr("robowidgets.scanogram.of_recording.most_single", lambda _, room=room: room)
-        picture = picture_of(thinned(path)[0])
+        picture = get_picture(thinned(path)[0])
         assert len(picture.clock) == expected
         assert (picture.clock.ends - picture.clock.starts).max() < 0.11
     assert most_single(100_000) >= 1
@@ -170,7 +170,7 @@ def test_chunks_larger_than_the_limit_leave_the_line_without_a_picture(
 
 def test_parts_of_one_scan_each_last_as_long_as_a_scan(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robowidgets.scanogram.of_recording.most_single", lambda _: PARTS)
-    picture = picture_of(thinned(path)[0])
+    picture = get_picture(thinned(path)[0])
     assert picture.clock.ends - picture.clock.starts == pytest.approx(np.full(PARTS, 0.1), abs=0.001)
     assert picture.clock.notes == ()
 
@@ -183,6 +183,6 @@ def test_a_file_without_an_index_of_parts_has_none(data: Path) -> None:
 def test_of_parts_that_overlap_only_one_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = long_drive.write(tmp_path / "drive.mcap", CHUNKS, image=1000, overlap_ns=950_000_000)
     monkeypatch.setattr("robowidgets.recordings.data.THINNED_READ", (10 * CHUNKS * CHUNK_BYTES, CHUNKS))
-    picture = picture_of(thinned(path)[0])
+    picture = get_picture(thinned(path)[0])
     assert len(picture.clock) == 10 * CHUNKS // 2
     assert picture.clock.notes == ()

@@ -17,7 +17,7 @@ from robowidgets import Arc, Arrow, LaserWidget, Line, Points, Polygon, Text
 from robowidgets.widget import judge
 from robowidgets.widget.pacer import INTERVAL, pacer
 
-from ..pages import Page
+from ..pages import Page, get_edition
 from ..waiting import wait_for
 
 SCAN: dict[str, Any] = {
@@ -274,7 +274,7 @@ class TestInAPlayer:
 
     def test_the_page_gets_its_segments_again(self, player: Any) -> None:
         laser = player.views[0].widget
-        before = laser._edition
+        before = get_edition(laser)
         laser.draw("zone", Arc(0.5))
-        assert laser._edition == before + 1
+        assert get_edition(laser) == before + 1
         assert "_edition" in laser.frame_traits

@@ -5,10 +5,11 @@ from __future__ import annotations
 import struct
 import threading
 from dataclasses import dataclass
+from typing import Any
 
 import traitlets
 
-from robowidgets.widget.robot_widget import RobotWidget
+from robowidgets.widget.robot_widget import NO_TEXTS, RobotWidget
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
 
@@ -28,7 +29,11 @@ class NumberWidget(RobotWidget[Number]):
         if not isinstance(value, int):
             self._refuse(TypeError(f"expected a whole number, got {value!r}"))
         else:
-            self._show(Number(value), {"value": value})
+            self.show(Number(value), {"value": value})
+
+    def show(self, number: Number, about: dict[str, Any] = NO_TEXTS, *, counts: bool = True) -> None:
+        """Show a number as subclasses show their samples."""
+        self._show(number, about, counts=counts)
 
     def _pack(self, sample: Number) -> bytes:
         return struct.pack("<q", sample.value)

@@ -12,7 +12,7 @@ import pytest
 
 from robowidgets.widget.pacer import pacer
 
-from ..pages import Page
+from ..pages import Page, get_newest
 from ..waiting import wait_for
 from .number_widget import NumberWidget, head_of, number_in
 
@@ -82,8 +82,8 @@ class TestThreads:
         thread.start()
         wait_for(lambda: len(page.messages) >= 3, "the flood was on the page")
         widget.close()
-        sent, came = len(page.messages), widget._newest.sequence
-        wait_for(lambda: widget._newest.sequence > came + 20_000, "many more came")
+        sent, came = len(page.messages), get_newest(widget).sequence
+        wait_for(lambda: get_newest(widget).sequence > came + 20_000, "many more came")
         stop.set()
         thread.join()
         pacer.flush()

@@ -17,6 +17,7 @@ from robowidgets.feeds import Feed
 from robowidgets.runtime.waiters import Waiters
 
 from ..feeds.scripted import ODOM, SCAN, Scripted, scan, twist
+from ..pages import get_newest
 from ..waiting import Clock, wait_for
 from .number_widget import NumberWidget, in_a_thread
 
@@ -42,13 +43,14 @@ class Waits(Waiters):
 
 def timeouts_of(widget: Any) -> Waits:
     """Return the time-outs with which threads wait for samples of a widget from now on."""
-    widget._newest.waiters = waits = Waits(widget._newest.lock)
+    newest = get_newest(widget)
+    newest.waiters = waits = Waits(newest.lock)
     return waits
 
 
 def waiting(widget: Any) -> int:
     """Return the number of threads that wait for a sample of a widget."""
-    return len(widget._newest.waiters)
+    return len(get_newest(widget).waiters)
 
 
 class TestTheNextOne:

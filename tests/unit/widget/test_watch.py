@@ -21,7 +21,7 @@ from robowidgets.widget import judge
 from robowidgets.widget.timed_frame import FRAME_HEADER
 from robowidgets.widget.watch import MOST_RUNS, _runs
 
-from ..pages import Page
+from ..pages import Page, get_edition
 from ..waiting import wait_for
 
 
@@ -364,9 +364,9 @@ class TestArguments:
             found = recording.find(near)
             player = recording.show("/scan", scanogram=False)
         view = player.views[0]
-        edition = view.widget._edition
+        edition = get_edition(view.widget)
         wall = view.widget.watch(near, name="wall")
-        assert view.widget._edition == edition + 1, "the page gets the frames again"
+        assert get_edition(view.widget) == edition + 1, "the page gets the frames again"
         lit = {timed.seconds: timed.about["lamps"][0] for timed in view.track.frames(0.0, 30.0)}
         for seconds, lamp in lit.items():
             is_found = any(span.start <= seconds < span.end for span in found)

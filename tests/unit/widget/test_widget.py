@@ -25,7 +25,7 @@ from robowidgets.widget.paced_widget import RESYNC_S, RESYNC_TRAITS
 from robowidgets.widget.pacer import pacer
 from robowidgets.widget.robot_widget import RobotWidget
 
-from ..pages import Page, synced
+from ..pages import Page, get_newest, synced
 from ..senders import turn_of
 from ..waiting import Clock, wait_for
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
@@ -141,18 +141,18 @@ class TestToThePage:
         assert page.state["_about"] == {"value": 999}
 
     def test_the_head_says_how_many_came_how_fast_and_when(self, widget: NumberWidget, clock: Clock) -> None:
-        widget._show(Number(1, stamp_ns=5), {})
+        widget.show(Number(1, stamp_ns=5))
         sequence, rate, stamp, arrived = head_of(widget.get_state()["_frame"])
         assert (sequence, stamp, arrived) == (1, 5, 100.0)
         assert isnan(rate)
         for i in range(1, 100):
             clock.now = 100 + i * 0.025
-            widget._show(Number(1), {})
+            widget.show(Number(1))
         assert head_of(widget.get_state()["_frame"]) == (100, pytest.approx(40), 0, 100 + 99 * 0.025)
 
     def test_what_does_not_count_leaves_count_and_rate(self, widget: NumberWidget) -> None:
-        widget._show(Number(1), {})
-        widget._show(Number(2), {}, counts=False)
+        widget.show(Number(1))
+        widget.show(Number(2), counts=False)
         assert head_of(widget.get_state()["_frame"])[0] == 1
         assert number_in(widget.get_state()["_frame"]) == 2
 
@@ -206,7 +206,7 @@ class TestToThePage:
         assert page.sent("title") == ["/number"]
         later = time.monotonic() + RESYNC_S
         monkeypatch.setattr(paced_widget, "time", SimpleNamespace(monotonic=lambda: later))
-        widget._show(Number(3), {"value": 2})
+        widget.show(Number(3), {"value": 2})
         pacer.flush()
         assert page.messages[-1].keys() == {"_frame", *RESYNC_TRAITS}
         assert page.messages[-1]["title"] == "/number"
@@ -281,7 +281,7 @@ class TestToThePage:
         holds, leave = threading.Event(), threading.Event()
 
         def hold() -> None:
-            with widget._newest.lock, widget._send_lock:
+            with get_newest(widget).lock, widget._send_lock:
                 holds.set()
                 leave.wait(120)
 
