@@ -12,7 +12,15 @@ from contextlib import suppress
 from math import inf
 from typing import Any, TypeVar
 
+from robowidgets.runtime.clock import Threads
+
 T = TypeVar("T")
+
+
+def end_timers(threads: Threads) -> None:
+    """End the thread of the timers if it has begun."""
+    if (timer := threads._timer) is not None:
+        timer.detach()
 
 
 class ManualClock:

@@ -84,7 +84,8 @@ def fill_disk(*_: Any) -> None:
 
 def feel(monkeypatch: pytest.MonkeyPatch, box: Any, causes_in: Any) -> None:
     """Replace the function that finds causes in messages."""
-    monkeypatch.setattr(box._writer, "_finder", replace(box._writer._finder, causes_in=causes_in))
+    writer = box._writer
+    monkeypatch.setattr(writer, "_finder", replace(writer._finder, causes_in=causes_in))
 
 
 def test_a_file_has_the_minute_before_and_the_seconds_after_its_cause_which_it_marks(
@@ -289,14 +290,16 @@ def test_an_error_that_comes_again_and_again_begins_one_file_and_each_time_is_a_
     flushed: list[float] = []
     with Feed(script, clock=clock) as feed:
         box = feed.black_box("/scan", after=10, folder=tmp_path)
-        flush = box._writer._flush_if_due
+        writer = box._writer
+        flush = writer._flush_if_due
 
         def note_flush() -> None:
-            is_due = box._writer._flush_at is not None and clock.now() >= box._writer._flush_at
+            due = writer._flush_at
+            is_due = due is not None and clock.now() >= due
             flush()
             flushed.extend([clock.now()] * is_due)
 
-        monkeypatch.setattr(box._writer, "_flush_if_due", note_flush)
+        monkeypatch.setattr(writer, "_flush_if_due", note_flush)
         box.save("important")
         status = {"name": "battery", "message": "hot", "hardware_id": "", "values": []}
         for _ in range(300):

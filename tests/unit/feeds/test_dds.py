@@ -38,7 +38,7 @@ from robowidgets.messages.encoding import encode
 from robowidgets.samples import Level
 
 from ..clocks import ManualClock
-from ..waiting import wait_for
+from ..waiting import threads_named, wait_for
 from . import dds_robot
 from .bursts import EVERY, record_bursts
 from .ears import Ears
@@ -53,6 +53,35 @@ HASHES = {
     "OldRange": "typehash=RIHS01_9430b1915b94d4268ff903679e8ecd09b6a67d331bd028738ec1eeb592891ebd;",
     "Range": "typehash=RIHS01_b42b62562e93cbfe9d42b82fe5994dfa3d63d7d5c90a317981703f7388adff3a;",
 }
+
+
+def get_session(dds: Dds) -> _dds_session.DdsSession:
+    """Return the session of a middleware once it takes part."""
+    wait_for(lambda: dds._session, "it takes part")
+    session = dds._session
+    assert isinstance(session, _dds_session.DdsSession)
+    return session
+
+
+def add_reader(session: _dds_session.DdsSession, wish: _dds_session.Wish, samples: list[Any]) -> dict[Any, Any]:
+    """Give a session a reader that takes the next of these samples each time, and return all readers."""
+
+    class Reader:
+        def take(self, **_: Any) -> list[Any]:
+            return samples.pop(0)
+
+    readers = session._readers
+    readers[wish] = _dds_session._Reader(Reader(), None, decoder_for(wish.type), deque())
+    return readers
+
+
+def age_zero(dds: Dds, topic: str) -> Any:
+    """Make the last zero of a topic 100 s older, and return what the session notes on it."""
+    session = get_session(dds)
+    with session._writing:
+        zeros = session._zeros._topics[topic]
+        zeros.since -= 100.0
+    return zeros
 
 
 @pytest.fixture
@@ -208,12 +237,8 @@ def test_a_truncated_message_is_reported_until_a_whole_one_comes(heard: Ears) ->
     whole = encode("cdr", TWIST, {"linear": {"x": 0.5}})
     samples = [[opaque(TWIST)(whole[:-9])], [opaque(TWIST)(whole)]]
 
-    class Reader:
-        def take(self, **_: Any) -> list[Any]:
-            return samples.pop(0)
-
     wish = _dds_session.Wish("/speed", TWIST, False, False)
-    session._readers[wish] = _dds_session._Reader(Reader(), None, _dds_session.decoder_for(TWIST), deque())
+    add_reader(session, wish, samples)
     session.pass_on(wish)
     assert heard.words("/speed").startswith(f"a message of /speed cannot be read: 43 bytes are not a valid {TWIST}: ")
     session.pass_on(wish)
@@ -336,9 +361,7 @@ def test_the_first_message_waits_for_a_subscriber_that_is_known_a_moment_later(
     dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(_dds_session, "_MATCHING", 20.0)
-    wait_for(lambda: dds._session, "it takes part")
-    session = dds._session
-    assert session is not None
+    session = get_session(dds)
     publishing = threading.Thread(target=dds.publish, args=("/cmd_vel", TWIST, {"linear": {"x": 0.5}}))
     publishing.start()
     wait_for(lambda: session._writers, "it waits")
@@ -415,13 +438,9 @@ def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Robot) -> None:
 def test_a_zero_that_a_subscriber_has_confirmed_is_not_sent_again(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.hear("/cmd_vel", "Twist")
     wait_for(lambda: heard.topics, "the topic is known")
-    session = dds._session
-    assert session is not None
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
-    with session._writing:
-        zeros = session._zeros._topics["/cmd_vel"]
-        zeros.since -= 100.0
+    zeros = age_zero(dds, "/cmd_vel")
     wait_for(lambda: zeros.repeats == len(_zeros.AGAIN), "it was looked at")
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
     assert [robot.heard()["linear"]["x"] for _ in range(3)] == [0.5, 0.0, 0.25]
@@ -430,13 +449,10 @@ def test_a_zero_that_a_subscriber_has_confirmed_is_not_sent_again(dds: Dds, hear
 def test_a_best_effort_subscriber_gets_zero_some_more_times(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.hear("/cmd_vel", "Twist", False)
     wait_for(lambda: heard.topics, "the topic is known")
-    session = dds._session
-    assert session is not None
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     assert [robot.heard()["linear"]["x"] for _ in range(2)] == [0.5, 0.0]
-    with session._writing:
-        session._zeros._topics["/cmd_vel"].since -= 100.0
+    age_zero(dds, "/cmd_vel")
     assert robot.heard()["linear"]["x"] == 0.0
 
 
@@ -485,8 +501,7 @@ def test_closing_does_not_wait_for_a_robot_that_does_nothing_any_more(
         dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
     monkeypatch.setattr(_threaded, "CLOSE_TIMEOUT", 1000.0)
     dds.close()
-    assert dds._thread is not None
-    assert not dds._thread.is_alive()
+    assert not threads_named("robowidgets-dds")
 
 
 def test_closing_does_not_wait_for_long_for_a_message_that_is_handed_on(
@@ -614,15 +629,11 @@ def test_node_names_are_understood_from_any_distribution_and_other_messages_igno
     session._offers[UUID(bytes=key)] = _dds_session.Endpoint("/cmd_vel", TWIST, False, False, b"", None)
     samples = [[opaque(NODES_TYPE)(info)], [opaque(TWIST)(encode("cdr", TWIST, {}))]]
 
-    class Reader:
-        def take(self, **_: Any) -> list[Any]:
-            return samples.pop(0)
-
     for kind in (NODES_TYPE, TWIST):
         wish = _dds_session.Wish("ros_discovery_info", kind, True, False)
-        session._readers[wish] = _dds_session._Reader(Reader(), None, decoder_for(kind), deque())
+        readers = add_reader(session, wish, samples)
         session.pass_on(wish)
-    session._readers.clear()
+    readers.clear()
     session.look()
     assert heard.topics == [Advert("/cmd_vel", TWIST, offered=True, wanted=False, publishers=("/nav",), subscribers=())]
     assert heard.messages == []
@@ -668,13 +679,11 @@ def test_twenty_opens_and_closes_leave_no_thread_no_socket_and_no_memory() -> No
 def test_closing_ends_the_participant_though_something_refers_to_it(heard: Ears) -> None:
     dds = Dds(DOMAIN, interface="lo")
     dds.open(heard)
-    wait_for(lambda: heard.connected, "it takes part")
-    session = dds._session
-    assert session is not None
-    assert session._participant.guid
+    participant = get_session(dds)._participant
+    assert participant.guid
     dds.close()
     with pytest.raises(DDSException):
-        _ = session._participant.guid
+        _ = participant.guid
 
 
 def test_a_network_that_is_not_there_is_tried_again(heard: Ears) -> None:
@@ -722,11 +731,15 @@ def test_a_domain_without_a_robot_says_what_to_compare_until_there_is_one(
 def test_on_other_interfaces_what_to_compare_names_them(monkeypatch: pytest.MonkeyPatch) -> None:
     names = [(1, "lo"), (2, "docker0"), (3, "wlan0"), (4, "eth0")]
     monkeypatch.setattr(socket, "if_nameindex", lambda: names)
+
+    def advice(**chosen: str) -> str:
+        return Dds(7, **chosen)._no_robot()
+
     network = "Is it in another network? Then use dds(7, interface='wlan0'). The interfaces are docker0, wlan0"
-    assert Dds(7)._no_robot().endswith(f" {network}, eth0.")
-    assert Dds(7, interface="eth0")._no_robot().endswith(f" {network}.")
+    assert advice().endswith(f" {network}, eth0.")
+    assert advice(interface="eth0").endswith(f" {network}.")
     names[:] = names[:1]
-    assert Dds(7)._no_robot().endswith(" Does a firewall block the UDP ports 9150 to 9399?")
+    assert advice().endswith(" Does a firewall block the UDP ports 9150 to 9399?")
 
 
 def test_wrong_arguments_are_refused_by_name() -> None:
@@ -804,7 +817,8 @@ def test_recording_requests_lost_packets_again_if_each_publisher_can_repeat_them
     for do, robot in zip(publishers, robots, strict=True):
         message = [[1.0], 0.5] if do == "write" else []
         robot.do(do, "/scan", "LaserScan", *message)
-    wait_for(lambda: dds._session and len(dds._session._offers) == len(robots), "all are found")
+    session = get_session(dds)
+    wait_for(lambda: len(session._offers) == len(robots), "all are found")
     dds.follow(frozenset({"/scan"}), frozenset({"/scan"}))
 
     def asked() -> Any:

@@ -163,8 +163,9 @@ def test_a_robot_whose_process_is_killed_goes_on_where_it_was() -> None:
         feed.robot.move_to(1.0, 0.5, 0.0)
         middleware = feed.connection.middleware
         assert isinstance(middleware, Simulated)
-        assert isinstance(middleware._live, RobotProcess)
-        os.kill(middleware._live.pid, signal.SIGKILL)
+        process = middleware._live
+        assert isinstance(process, RobotProcess)
+        os.kill(process.pid, signal.SIGKILL)
         wait_for(lambda: "its process has ended, with code -9" in feed.status, "the feed says so")
         wait_for(lambda: not feed.status, "another process runs")
         before = feed.robot.time

@@ -78,11 +78,12 @@ class TestStopAll:
         wait_for(lambda: len(script.speeds) > first + 1, "zeros go on")
         assert set(script.speeds) == {(0.0, 0.0)}
         everybody._repr_mimebundle_()
-        stop, release = everybody._box.children[0].children
-        assert everybody._box.children[1].value == "■ <b>red</b> is sent zero"
+        buttons, line = everybody._box.children
+        stop, release = buttons.children
+        assert line.value == "■ <b>red</b> is sent zero"
         release.click()
         assert not everybody.stopped
-        assert everybody._box.children[1].value == "○ <b>red</b> is not stopped from here"
+        assert line.value == "○ <b>red</b> is not stopped from here"
         red.drive(0.2)
         assert script.speeds[-1] == (0.2, 0.0)
         stop.click()

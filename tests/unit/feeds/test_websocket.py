@@ -332,7 +332,8 @@ def test_a_connection_that_ends_while_it_is_silent_is_reported_only_as_ended(
 
 def _unanswered(middleware: Foxglove) -> bool:
     """True if it is not connected, or a ping waits for its answer."""
-    return middleware._socket is None or not middleware._socket.is_open or bool(middleware._socket._unanswered)
+    link = middleware._socket
+    return link is None or not link.is_open or bool(link._unanswered)
 
 
 def _refused(feed: Feed) -> str:
@@ -495,8 +496,9 @@ def test_what_a_robot_does_not_take_in_time_is_an_error_and_not_sent_later(
     taking: tuple[OldFoxglove, Foxglove], clock: ManualClock
 ) -> None:
     server, middleware = taking
-    assert middleware._socket is not None
-    for stream in (server.clients[0].ws_connection.stream, middleware._socket._stream):  # type: ignore[union-attr]
+    link = middleware._socket
+    assert link is not None
+    for stream in (server.clients[0].ws_connection.stream, link._stream):  # type: ignore[union-attr]
         for buffer in (socket.SO_RCVBUF, socket.SO_SNDBUF):
             stream.socket.setsockopt(socket.SOL_SOCKET, buffer, 65_536)
     go_on = server.stall()

@@ -11,7 +11,7 @@ import pytest
 from robowidgets.runtime.clock import Detached, Threads
 from robowidgets.widget.pacer import Pacer
 
-from ..clocks import ManualClock
+from ..clocks import ManualClock, end_timers
 from ..senders import Sender
 from ..waiting import wait_for
 
@@ -25,8 +25,7 @@ def clock() -> ManualClock:
 def threads(clock: ManualClock) -> Iterator[Threads]:
     threads = Threads(clock)
     yield threads
-    if threads._timer is not None:
-        threads._timer.detach()
+    end_timers(threads)
 
 
 def test_a_turn_is_done_at_once_when_it_is_due_and_when_it_is_woken(clock: ManualClock, threads: Threads) -> None:
@@ -131,6 +130,5 @@ def test_real_time_wakes_threads_and_calls_timers_too() -> None:
     ticket.wake()
     assert turned.wait(120)
     ticket.detach()
-    assert threads._timer is not None
-    threads._timer.detach()
+    end_timers(threads)
     wait_for(lambda: not ticket.is_alive(), "its thread ended")

@@ -13,7 +13,7 @@ from robowidgets.runtime.policies import Policy
 from robowidgets.runtime.runner import LINGER, Call, Outcome, Runner
 from robowidgets.runtime.user_threads import UserThread, is_abandoned
 
-from ..clocks import ManualClock
+from ..clocks import ManualClock, end_timers
 from ..waiting import wait_for
 
 NAME = "robowidgets-test"
@@ -65,8 +65,7 @@ def owner() -> Iterator[Owner]:
     owner.runner.detach()
     for gate in owner.gates:
         gate.set()
-    if owner.threads._timer is not None:
-        owner.threads._timer.detach()
+    end_timers(owner.threads)
 
 
 def test_functions_are_called_one_after_the_other_and_what_they_raise_ends_nothing(owner: Owner) -> None:
