@@ -34,18 +34,18 @@ class Master:
         """Return all publishers, subscribers and types."""
         # Types are requested last: a topic that appears in between has a type, but is not listed yet. Without its type,
         # the robot would get a publisher of another type. A subscriber of any type reports `*`.
-        publishers, subscribers, _ = _call(self.uri, "getSystemState")
-        types = {name: kind for name, kind in _call(self.uri, "getTopicTypes") if "/" in kind}
+        publishers, subscribers, _ = call(self.uri, "getSystemState")
+        types = {name: kind for name, kind in call(self.uri, "getTopicTypes") if "/" in kind}
         return SystemState(dict(publishers), dict(subscribers), types)
 
     def register_subscriber(self, node: str, topic: str, kind: str, node_uri: str) -> None:
         """Register a subscriber with the master again, and send the list of publishers to the node."""
-        publishers = _call(self.uri, "registerSubscriber", topic, kind, node_uri, caller=node)
-        _call(node_uri, "publisherUpdate", topic, publishers, caller="/master")
+        publishers = call(self.uri, "registerSubscriber", topic, kind, node_uri, caller=node)
+        call(node_uri, "publisherUpdate", topic, publishers, caller="/master")
 
     def register_publisher(self, node: str, topic: str, kind: str, node_uri: str) -> None:
         """Register a publisher with the master again."""
-        _call(self.uri, "registerPublisher", topic, kind, node_uri, caller=node)
+        call(self.uri, "registerPublisher", topic, kind, node_uri, caller=node)
 
     def unreachable(self, nodes: list[str]) -> str:
         """Return the reason why the first unreachable node among these cannot be reached, or empty if all can."""
@@ -54,20 +54,20 @@ class Master:
     def has_ended(self, node: str) -> bool:
         """Return True if nothing listens at the address of a node any more. A silent node may still be alive."""
         try:
-            _call(_call(self.uri, "lookupNode", node), "getPid")
+            call(call(self.uri, "lookupNode", node), "getPid")
         except MasterError as error:
             return isinstance(error.__cause__, ConnectionRefusedError)
         return False
 
     def _unreachable(self, node: str) -> str:
         try:
-            uri = _call(self.uri, "lookupNode", node)
+            uri = call(self.uri, "lookupNode", node)
         except MasterError:  # the node has just left, and the next state will not contain it
             return ""
         where = urlsplit(uri).netloc
         try:
             # Another program may use the port now, and rospy would wait forever for its answer.
-            _call(uri, "getPid")
+            call(uri, "getPid")
         except MasterError as error:
             if isinstance(error.__cause__, ConnectionRefusedError):
                 return f"its node {node} is not at {where} any more; rosnode cleanup makes the master forget it"
@@ -77,7 +77,7 @@ class Master:
 
 def master_of(node_uri: str) -> str:
     """Return the URI of a node's master."""
-    return str(_call(node_uri, "getMasterUri"))
+    return str(call(node_uri, "getMasterUri"))
 
 
 class _Timed(xmlrpc.client.Transport):
@@ -87,7 +87,8 @@ class _Timed(xmlrpc.client.Transport):
         return connection
 
 
-def _call(uri: str, method: str, *args: Any, caller: str = "/robowidgets") -> Any:
+def call(uri: str, method: str, *args: Any, caller: str = "/robowidgets") -> Any:
+    """Return the answer of a master or a node to a call of a method."""
     try:
         with xmlrpc.client.ServerProxy(uri, _Timed()) as server:
             code, text, value = getattr(server, method)(caller, *args)

@@ -354,7 +354,7 @@ def test_a_publisher_stays_when_its_feed_is_closed_so_that_no_robot_is_ever_refu
 
 def test_a_topic_that_is_listed_has_its_type_though_it_appeared_a_moment_ago(feed, monkeypatch):
     """Without the type, a robot would get a publisher of another type, and refuse it."""
-    call, uri = _ros1_master._call, os.environ["ROS_MASTER_URI"]
+    call, uri = _ros1_master.call, os.environ["ROS_MASTER_URI"]
 
     def called(*given: Any, **caller: str) -> Any:
         answer = call(*given, **caller)
@@ -365,7 +365,7 @@ def test_a_topic_that_is_listed_has_its_type_though_it_appeared_a_moment_ago(fee
         return answer
 
     appeared: list[Any] = []
-    monkeypatch.setattr(_ros1_master, "_call", called)
+    monkeypatch.setattr(_ros1_master, "call", called)
     try:
         state = _ros1_master.Master(uri).state()
         assert state.subscribers.keys() <= state.types.keys() | {"/rosout"}
@@ -583,13 +583,13 @@ def test_a_publisher_of_speeds_that_was_killed_is_named_no_longer_and_holds_up_n
             wait_for(lambda: f"/other_kernel, /silent publishes {topic}, too" in feed.drive_status, "both are named")
             other.kill()
             other.wait()
-            assert "/other_kernel" in dict(_ros1_master._call(known.uri, "getSystemState")[0])[topic]
+            assert "/other_kernel" in dict(_ros1_master.call(known.uri, "getSystemState")[0])[topic]
             wait_for(lambda: f"/silent publishes {topic}, too" in feed.drive_status, "one is left")
             wait_for(lambda: "/other_kernel" not in feed.drive_status, "the killed one is not named")
         finally:
             other.kill()
             other.stdout.close()
-            _ros1_master._call(known.uri, "unregisterPublisher", topic, address, caller="/silent")
+            _ros1_master.call(known.uri, "unregisterPublisher", topic, address, caller="/silent")
 
 
 def test_the_wires_name_real_nodes_with_what_they_publish_and_take(feed, publish, robot):
