@@ -88,11 +88,10 @@ def study_by_its_button() -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         someone = study.Study(1, folder)
-        box = someone.show()
         someone.agree()
         while not someone.step[4].is_code:
             someone.give_up()
-        someone._draw(box)
+        box = someone.show()
         _, _, field, buttons, said = box.children
         check, step, given = buttons.children[0], someone.step, someone.step[4].given.partition("\n")[0]
         for body, is_judged in (

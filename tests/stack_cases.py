@@ -180,8 +180,9 @@ def a_wait_whose_time_is_over_before_the_loop_knows_of_it_is_over(threads: Any, 
         return "?"
 
     called: list[str] = []
-    threads._host.loop.call_at(threads._host.loop.time() - 5.0, called.append, "at once")
-    assert threads._host.wait(late()) == "late"
+    host = threads._host
+    host.loop.call_at(host.loop.time() - 5.0, called.append, "at once")
+    assert host.wait(late()) == "late"
     assert called == ["at once"]
 
 

@@ -199,11 +199,10 @@ def test_the_clock_and_the_tries_of_a_task_survive_a_reload(tmp_path: Path) -> N
 
 def test_untouched_sliders_and_statements_without_an_answer_are_named_and_do_not_count(tmp_path: Path) -> None:
     someone = Participant(1, tmp_path)
-    box = someone.study.show()
     someone.study.agree()
     while someone.study.step[0] == "task":
         someone.study.give_up()
-    someone.study._draw(box)
+    box = someone.study.show()
     sliders = [row.children[1] for row in box.children if type(row).__name__ == "HBox"]
     for slider in sliders[:5]:
         slider.value = 10
@@ -269,11 +268,10 @@ def test_a_task_that_is_left_while_its_answer_is_judged_ends_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     someone = Participant(1, tmp_path)
-    box = someone.study.show()
     someone.study.agree()
     while not someone.study.step[4].is_code:
         someone.study.give_up()
-    someone.study._draw(box)
+    box = someone.study.show()
     judged, goes_on = threading.Event(), threading.Event()
 
     def wrong(_name: str, _text: str) -> str:

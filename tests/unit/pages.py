@@ -6,6 +6,7 @@ import json
 import logging
 import threading
 import weakref
+from collections.abc import Callable
 from typing import Any
 
 from ipywidgets import Widget
@@ -14,6 +15,7 @@ from traitlets.log import get_logger
 
 from robowidgets.screen_widget import ScreenWidget
 from robowidgets.widget.newest_sample import NewestSample
+from robowidgets.widget.observed import Observed
 
 
 class Page:
@@ -96,6 +98,11 @@ def get_newest(widget: Any) -> NewestSample[Any]:
 def parse_sample(widget: Any, frame: bytes, *about: Any) -> Any:
     """Return the sample that a widget reads from a frame for the page."""
     return widget._unpack(frame, *about)
+
+
+def get_observers(observed: Observed) -> list[Callable[[], None]]:
+    """Return the functions that an object calls on its changes, such as functions of its widgets."""
+    return observed._observers
 
 
 def get_edition(widget: Any) -> int:

@@ -126,11 +126,11 @@ def test_samples_that_cannot_be_taken_end_it_with_a_word_and_its_next_version_dr
 
     program = robot.program(go, rate=100)
     wait_for(lambda: script.speeds[-1:] == [(0.1, 0.0)], "it drives")
-    take = program._inputs.take
-    program._inputs.take = lambda: {}["/scan"]  # type: ignore[attr-defined]
+    inputs: Any = program._inputs
+    take, inputs.take = inputs.take, lambda: {}["/scan"]
     wait_for(lambda: (program.mode, program.error) == ("failed", "KeyError: '/scan'"), "it says why")
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "the robot stands")
-    program._inputs.take = take  # type: ignore[attr-defined]
+    inputs.take = take
     robot.program(go, rate=100)
     wait_for(lambda: script.speeds[-1] == (0.1, 0.0), "it drives again")
 

@@ -25,7 +25,7 @@ from robowidgets.widget.pacer import Pacer
 
 from ..clocks import ManualClock
 from ..feeds.scripted import CMD_VEL, Scripted
-from ..pages import Page, from_page
+from ..pages import Page, from_page, get_observers
 from ..waiting import wait_for
 
 ZERO = (0.0, 0.0)
@@ -465,7 +465,7 @@ class TestFeed:
         other.close()
         feed.drive(0.2, 0.5)
         wait_for(lambda: script.speeds == [(0.2, 0.5), (0.2, 0.5)], "it drives on")
-        assert feed.connection._observers == []
+        assert get_observers(feed.connection) == []
 
     @pytest.mark.usefixtures("holds")
     def test_what_could_not_be_published_ends_the_press_and_is_reported_until_it_can(

@@ -13,7 +13,7 @@ from robowidgets.feeds import Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 
 from ..feeds.scripted import Scripted
-from ..pages import Page, from_page
+from ..pages import Page, from_page, get_observers
 from ..waiting import wait_for
 
 
@@ -48,7 +48,7 @@ def test_it_shows_the_driver_and_the_warnings_about_it(feed: Feed, bar: StopWidg
     wait_for(lambda: page.state["_state"]["driver"] == "hand", "a hand holds a pad")
     wait_for(lambda: page.state["_state"]["driver"] == "", "the page of the hand is gone")
     bar.close()
-    assert feed.connection._observers == []
+    assert get_observers(feed.connection) == []
 
 
 def test_stop_latches_and_closing_the_bar_releases_nothing(feed: Feed, script: Scripted, bar: StopWidget) -> None:

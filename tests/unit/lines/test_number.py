@@ -15,7 +15,7 @@ from robowidgets.behaviors.program import FAILED, PAUSED, RUNNING, Program
 from robowidgets.feeds import Feed
 from robowidgets.lines import number as number_module
 
-from ..pages import Page
+from ..pages import Page, from_page
 from ..waiting import wait_for
 
 
@@ -56,7 +56,7 @@ class Dragging:
                 if known == number and not place:
                     place = {"function": function["key"], "line": line, "column": column}
         message = {"number": act, "press": f"p{self.press}", "key": self.code["key"], "text": text, **place}
-        self.widget._on_page(self.widget, {**message, "token": self.number.get("token", 0), **more}, [])
+        from_page(self.widget, {**message, "token": self.number.get("token", 0), **more})
 
     def try_(self, text: str, number: str = "0.2") -> dict[str, Any]:
         self.press += 1
@@ -197,7 +197,7 @@ def test_messages_that_no_page_sends_are_refused(drag: Dragging) -> None:
         {"number": "try", "press": "a" * 65, "text": "1"},
         {"number": "try", "press": "a", "text": "1", "line": "<b>"},
     ):
-        drag.widget._on_page(drag.widget, wrong, [])
+        from_page(drag.widget, wrong)
     assert len(logged) == 5
     assert drag.try_("__import__('os')")["why"].startswith("expected a number such as 0.6, got")
 

@@ -25,11 +25,11 @@ class Side(enum.Enum):
 class Hostile:
     """Whoever calls any of it fails."""
 
-    def _fail(self, *_: Any, **__: Any) -> Any:
+    def fail(self, *_: Any, **__: Any) -> Any:
         raise AssertionError("code of the user was called")
 
-    __getattribute__ = __repr__ = __str__ = __len__ = __iter__ = __eq__ = __bool__ = __format__ = _fail
-    __hash__ = _fail
+    __getattribute__ = __repr__ = __str__ = __len__ = __iter__ = __eq__ = __bool__ = __format__ = fail
+    __hash__ = fail
 
 
 class HostileMeta(type):
@@ -44,11 +44,11 @@ class Made(metaclass=HostileMeta):
 
 
 class HostileList(list):  # type: ignore[type-arg]
-    __iter__ = __len__ = __getitem__ = __repr__ = Hostile._fail
+    __iter__ = __len__ = __getitem__ = __repr__ = Hostile.fail
 
 
 class HostileDict(dict):  # type: ignore[type-arg]
-    items = __iter__ = __len__ = __getitem__ = __repr__ = Hostile._fail
+    items = __iter__ = __len__ = __getitem__ = __repr__ = Hostile.fail
 
 
 @pytest.mark.parametrize(

@@ -282,7 +282,8 @@ def test_settings_of_playing_reach_the_bar_and_back(player: Player) -> None:
     assert bar.marks == ((1.0, 1.5, "early"), (4.0, 5.0, "late"))
     bar.playing = True
     assert player.playing
-    assert (player._prefetcher.cursor.rate, player._prefetcher.cursor.span) == (2.0, (2.0, 3.0))
+    cursor = player._prefetcher.cursor
+    assert (cursor.rate, cursor.span) == (2.0, (2.0, 3.0))
     player.selection = (2, 1e6)
     assert bar.span == (2.0, 10.0)
 

@@ -12,7 +12,7 @@ from robowidgets import Arc, LaserWidget, Line, feeds
 from robowidgets.simulator import Robot, Scanner, View, World, room
 from robowidgets.simulator.view import HEADER, PATH_SECONDS
 
-from ..pages import from_page, synced
+from ..pages import from_page, get_observers, synced
 from ..waiting import wait_for
 
 WORLD = World([(3.0, -2.0, 3.0, 2.0)], [(0.0, 1.5, 0.25)])
@@ -146,7 +146,7 @@ def test_it_shows_the_robot_of_a_feed_which_runs_in_a_thread() -> None:
         assert view.get_state()["_status"] == ""
     assert view.get_state()["_status"] == "the feed is closed"
     view.close()
-    assert view._on_step not in feed.connection._observers
+    assert get_observers(feed.connection) == []
     with pytest.raises(TypeError, match=r"View\(\): expected a robot of robowidgets.simulator, or its feed, got 'R2'"):
         View("R2")
     with pytest.raises(TypeError, match="has no keyword 'titel'; did you mean 'title'"):
@@ -156,9 +156,9 @@ def test_it_shows_the_robot_of_a_feed_which_runs_in_a_thread() -> None:
 def test_a_closed_view_leaves_the_robot_alone() -> None:
     robot = Robot(room("maze"))
     view = View(robot)
-    assert len(robot._observers) == 1
+    assert len(get_observers(robot)) == 1
     view.close()
-    assert robot._observers == []
+    assert get_observers(robot) == []
     robot.step(0.1)
 
 

@@ -18,6 +18,7 @@ import pytest
 import robowidgets
 from robowidgets import LaserWidget, SpeedWidget, TouchWidget, conditions
 from robowidgets.widget import judge
+from robowidgets.widget.robot_widget import RobotWidget
 from robowidgets.widget.timed_frame import FRAME_HEADER
 from robowidgets.widget.watch import MOST_RUNS, _runs
 
@@ -46,6 +47,14 @@ def lamp(page: Page, name: str = "wall") -> dict[str, Any]:
 
 def sequence(state: dict[str, Any]) -> float:
     return float(FRAME_HEADER.unpack_from(state["_frame"])[0]) if state["_frame"] else 0.0
+
+
+def get_late_judge(widget: RobotWidget[Any]) -> judge.Judge:
+    """Return the judge of the conditions of a widget once it has been at work for long."""
+    at_work = widget._watches.judge
+    assert at_work is not None
+    wait_for(lambda: at_work.is_late, "it is at work")
+    return at_work
 
 
 class TestLamp:
@@ -262,11 +271,11 @@ class TestWaiting:
         clear.wait(240)
         other.wait(240)
         show(laser, 0.11)
-        wait_for(lambda: laser._watches.judge and laser._watches.judge.is_late, "it is at work")
+        late = get_late_judge(laser)
         assert (clear.value, other.value) == (True, True)
         now = time.monotonic()
         monkeypatch.setattr(time, "monotonic", lambda: now + 60)
-        monkeypatch.setattr(laser._watches.judge._runner, "_now", lambda: now + 60)
+        monkeypatch.setattr(late._runner, "_now", lambda: now + 60)
         show(laser, 0.11)
         assert (clear.value, other.value) == (None, None)
         words = r"<clear: unknown: conditions at work for \d+\.\d s, 2.00 > 0.50 m, 0 changes>"
@@ -436,7 +445,7 @@ def test_a_function_that_never_ends_is_ended_when_it_is_not_wanted_any_more(lase
     ):
         ended.clear()
         wall = laser.watch(endless, name="wall")
-        wait_for(lambda: laser._watches.judge and laser._watches.judge.is_late, "it is at work")
+        get_late_judge(laser)
         end()
         wait_for(lambda: ended, "it has ended")
         assert wall.error == "", "that is not an error of the function"
@@ -475,9 +484,9 @@ def test_a_judge_is_deleted_with_its_widget_though_a_condition_hung() -> None:
         touch = TouchWidget()
         touch.watch(lambda _: gate.wait(120), name="bump")
         touch.update(left=True)
-        wait_for(lambda: touch._watches.judge.is_late, "it hangs")
+        late = get_late_judge(touch)
         touch.close()
-        return weakref.ref(touch._watches.judge)
+        return weakref.ref(late)
 
     judge = judge_and_close()
     gate.set()
