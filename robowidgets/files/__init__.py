@@ -179,6 +179,12 @@ def _open_chain(files: Sequence[Path]) -> Chain:
         return Chain(sources)
 
 
+def is_described(names: Sequence[str], source: Source, metadata: str) -> bool:
+    """Return True if the text of rosbag2 metadata names these files, and agrees with the messages in them."""
+    named = {PurePath(name).name for name in _NAMED.findall(metadata)}
+    return named == {*names} and not _disagreement(metadata, source)
+
+
 def _disagreement(metadata: str, source: Source) -> list[str]:
     """Return a line if the metadata belong to other files, or were written before the last message."""
     count, start, end = sum(channel.count for channel in source.channels), source.start_ns, source.end_ns

@@ -20,7 +20,7 @@ from ._driver_errors import fail, status_of
 BLOCK = 4 << 20
 """Bytes of one request. Chunks are smaller, so that several of them arrive together."""
 _MOST_BLOCKS = 16
-"""Blocks in memory for one file, for all readers of it."""
+"""Blocks in memory for one recording, for all readers of it; each of its files has at least one."""
 _MOST_LOOKS = 4
 """Blocks that may be fetched to make the times of rare topics exact, apart from the first block and the last."""
 _PAUSES = (0.5, 1.0, 2.0)
@@ -46,13 +46,13 @@ class Parts(AbstractBufferedFile):  # type: ignore[misc]  # fsspec has no types
         size: the size in bytes.
         fetch: returns the bytes between two offsets.
         shown: the URL for messages.
+        files: the number of files of the recording.
     """
 
-    def __init__(self, system: Any, path: str, size: int, fetch: Fetch, shown: str) -> None:
+    def __init__(self, system: Any, path: str, size: int, fetch: Fetch, shown: str, files: int) -> None:
         self._fetch_once, self._shown = fetch, shown
-        super().__init__(
-            system, path, "rb", BLOCK, cache_type="blockcache", cache_options={"maxblocks": _MOST_BLOCKS}, size=size
-        )
+        options = {"maxblocks": max(1, _MOST_BLOCKS // files)}
+        super().__init__(system, path, "rb", BLOCK, cache_type="blockcache", cache_options=options, size=size)
 
     def fetch(self, start: int, end: int) -> bytes:
         """Return the bytes between two offsets by one request, past the blocks in memory."""

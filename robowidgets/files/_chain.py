@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from heapq import merge
+from operator import itemgetter
 
 from ..messages.channel import Channel, merged
 from ..repair import Arrivals, Message, joined
 from ._rosbags import RosbagsSource
+
+_Part = tuple[RosbagsSource, dict[int, int]]
+"""A source, with the ids of its channels in the chain."""
 
 
 class Chain:
@@ -30,8 +34,9 @@ class Chain:
     ) -> Iterator[Message]:
         """See `Source`."""
         wanted = {channel.id: channel for channel in channels}
-        each = (_messages(*part, wanted, start_ns, stop_ns) for part in self._parts())
-        return merge(*each, key=lambda message: message[1])
+        for group in self._groups():
+            each = (_messages(*part, wanted, start_ns, stop_ns) for part in group)
+            yield from merge(*each, key=lambda message: message[1])
 
     @cached_property
     def arrivals(self) -> Arrivals:
@@ -65,8 +70,22 @@ class Chain:
         for source in self._sources:
             source.close()
 
-    def _parts(self) -> Iterator[tuple[RosbagsSource, dict[int, int]]]:
-        """Return the sources, each with the ids of its channels in the chain."""
+    def _groups(self) -> Iterator[list[_Part]]:
+        """Yield sources whose times overlap together, in the order of their times: none is read before its turn."""
+        group: list[_Part] = []
+        latest = 0
+        spans = ((part[0].start_ns, part[0].end_ns, part) for part in self._parts())
+        filled = [(start, end, part) for start, end, part in spans if start is not None and end is not None]
+        for start, end, part in sorted(filled, key=itemgetter(0)):
+            if group and start > latest:
+                yield group
+                group = []
+            group.append(part)
+            latest = max(latest, end)
+        if group:
+            yield group
+
+    def _parts(self) -> Iterator[_Part]:
         return zip(self._sources, self._ids, strict=True)
 
 

@@ -7,7 +7,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
@@ -17,15 +17,16 @@ from uuid import uuid4
 
 from ..messages.decoding import one_line
 from ..notebook.progress import Progress
-from ..repair import SUFFIX, RecordingError, RemoteError, Source, has_clock_step, open_repaired
+from ..repair import SUFFIX, RecordingError, RemoteError, Source, has_clock_step, natural, open_repaired
 from ..runtime.text import listed, many, megabytes
 from ..runtime.urls import without_secrets
-from . import METADATA, counts_up, open_source
+from . import METADATA, counts_up, is_described, open_source
+from ._chain import Chain
 from ._copies import Copy, copies_folder, find, holding, make
 from ._driver_errors import asked, fail
 from ._fallback import FallbackSource
 from ._plain import is_plain
-from ._rosbags import open_in_parts
+from ._rosbags import RosbagsSource, open_in_parts
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+(://|::)")
 _QUERY = re.compile(r"(?<=.)\?.*")
@@ -37,7 +38,7 @@ _BLOCK = 8 << 20
 WHOLE = 32 << 20
 """The size in bytes up to which any file is fetched whole: then no later question needs the server."""
 _NO_INDEX = re.compile(r"\.(db3|log|clf|gz|active|zstd?)$", re.IGNORECASE)
-_ONLY_LONE = "only a lone MCAP file or ROS 1 bag is read in parts"
+_ONLY_INDEXED = "only MCAP files and ROS 1 bags are read in parts"
 _STATE = (
     "etag", "content-md5", "md5hash", "md5", "generation", "versionid", "lastmodified", "last-modified",
     "last_modified", "mtime", "modified", "updated", "created",
@@ -137,18 +138,17 @@ def held(path: Path) -> Fetched:
 def opened(url: str) -> tuple[Fetched, Source]:
     """Return the recording at a URL, and its messages as the file has them.
 
-    A large MCAP file or ROS 1 bag with an index is read in parts; nothing lies at its path. Others are fetched whole.
+    Large MCAP files and ROS 1 bags with an index are read in parts; nothing lies at the path. Others are fetched whole.
 
     Raises:
         RecordingError: it cannot be fetched, stored or read; the text gives the reason and the remedy.
     """
-    fetched, reason = None, _ONLY_LONE
+    fetched, reason = None, _ONLY_INDEXED
     if not _is_local(url):
         found = _find(url)
-        size = found.objects[0].size
-        if found.may_have_index and size is not None and size > WHOLE and find(found.key) is None:
+        if found.may_have_index and found.size > WHOLE and find(found.key) is None:
             try:
-                return _in_parts(found, size)
+                return _in_parts(found)
             except _WholeError as error:
                 reason = str(error)
         fetched = _fetch(found, reason)
@@ -193,9 +193,20 @@ class _Found(NamedTuple):
     name: str
 
     @property
+    def files(self) -> list[_Object]:
+        """Its files with messages, in their order."""
+        return [one for one in self.objects if one.name != METADATA]
+
+    @property
+    def size(self) -> int:
+        """Its size in bytes, or 0 if the server does not report it."""
+        sizes = [one.size for one in self.objects]
+        return 0 if None in sizes else sum(size or 0 for size in sizes)
+
+    @property
     def may_have_index(self) -> bool:
-        """True if the recording is one file that may be an MCAP file or a ROS 1 bag."""
-        return not self.is_folder and not _NO_INDEX.search(self.objects[0].name)
+        """True if all of its files may be MCAP files or ROS 1 bags."""
+        return not any(_NO_INDEX.search(one.name) for one in self.files)
 
     @property
     def local(self) -> Path:
@@ -235,46 +246,36 @@ def _fetch(found: _Found, reason: str = "") -> Fetched:
     return Fetched(found.local, url, copy)
 
 
-def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
-    """Open an MCAP file or a ROS 1 bag with an index, and read only what is requested.
+def _in_parts(found: _Found) -> tuple[Fetched, Source]:
+    """Open MCAP files or ROS 1 bags with an index, and read only what is requested.
 
     Raises:
-        _WholeError: the file has to be fetched whole; the text gives the reason.
+        _WholeError: the recording has to be fetched whole; the text gives the reason.
         RemoteError: it cannot be read at all.
     """
-    from ._blocks import NoPartsError, Parts, RemoteFile, driver_fetch, web_fetch  # needs fsspec, which is optional
+    from ._blocks import NoPartsError  # needs fsspec, which is optional
 
-    system, path, shown = found.system, found.path, found.url
-
-    def is_same() -> bool:
-        system.invalidate_cache()
-        return _object(asked(lambda: system.info(path), shown), path).state == found.objects[0].state
-
-    def open_parts() -> Parts:
-        if {"http", "https"} & {*([system.protocol] if isinstance(system.protocol, str) else system.protocol)}:
-            fetch_range = web_fetch(system, path, size, found.objects[0].headers, shown)
-        else:
-            fetch_range = asked(lambda: driver_fetch(system, path, is_same, shown), shown)
-        return Parts(system, path, size, fetch_range, shown)
-
-    fetched = Fetched(found.local, shown)
+    fetched = Fetched(found.local, found.url)
 
     def repaired() -> Source:
         whole = _fetch(found, "it is damaged")
         fetched.keep(whole)
-        return open_repaired([whole.path])
+        return open_repaired([whole.path / one.name for one in found.files] if found.is_folder else [whole.path])
 
-    file = RemoteFile(shown, found.key, open_parts)
     try:
-        source = open_in_parts(file, file.is_near)
-        try:
+        with ExitStack() as opened:
+            sources = []
+            for number in range(len(found.files)):
+                sources.append(_open_file(found, number))
+                opened.callback(sources[-1].close)
+            source = Chain(sources) if found.is_folder else sources[0]
+            if found.is_folder and not _is_described(found, source):
+                raise _WholeError(f"it has no {METADATA} that describes its files")
             if has_clock_step(source.arrivals):
                 raise _WholeError("its clock was set")
             if is_plain(source):
                 raise _WholeError("it has JSON or protobuf, whose fields are found by reading many messages")
-        except BaseException:
-            source.close()
-            raise
+            opened.pop_all()
     except (RemoteError, _WholeError):
         raise
     except NoPartsError:
@@ -282,6 +283,45 @@ def _in_parts(found: _Found, size: int) -> tuple[Fetched, Source]:
     except Exception:  # rosbags raises anything
         raise _WholeError("it has no index that is complete and in order") from None
     return fetched, FallbackSource(source, repaired)
+
+
+def _open_file(found: _Found, number: int) -> RosbagsSource:
+    """Open one of the files of a recording, to read it in parts. Raises as rosbags does."""
+    from ._blocks import Parts, RemoteFile, driver_fetch, web_fetch
+
+    system, one = found.system, found.files[number]
+    path = one.path
+    shown = f"{found.url}/{one.name}" if found.is_folder else found.url
+
+    def look() -> _Object:
+        system.invalidate_cache()
+        return _object(asked(lambda: system.info(path), shown), path)
+
+    if found.is_folder:
+        one = look()  # lists of folders have fewer properties
+    size = one.size or 0
+
+    def is_same() -> bool:
+        return look().state == one.state
+
+    def open_parts() -> Parts:
+        if {"http", "https"} & {*([system.protocol] if isinstance(system.protocol, str) else system.protocol)}:
+            fetch_range = web_fetch(system, path, size, one.headers, shown)
+        else:
+            fetch_range = asked(lambda: driver_fetch(system, path, is_same, shown), shown)
+        return Parts(system, path, size, fetch_range, shown, len(found.files))
+
+    file = RemoteFile(shown, f"{found.key}-{number}-{_short(one.state)}", open_parts)
+    return open_in_parts(file, file.is_near)
+
+
+def _is_described(found: _Found, source: Source) -> bool:
+    """Return True if a folder has rosbag2 metadata that agree with its files."""
+    path = next((one.path for one in found.objects if one.name == METADATA), None)
+    if path is None:
+        return False
+    text: bytes = asked(lambda: found.system.cat_file(path), found.url)
+    return is_described([one.name for one in found.files], source, text.decode(errors="replace"))
 
 
 def state_of(url: str) -> str | None:
@@ -378,7 +418,7 @@ def _objects(system: Any, path: str, shown: str) -> tuple[list[_Object], bool]:
     if info is not None:
         return [_object(info, path)], False
     there = {file_name(one["name"]): one for one in asked(lambda: system.ls(path, detail=True), shown)}
-    names = sorted(name for name in there if SUFFIX.search(name))
+    names = sorted((name for name in there if SUFFIX.search(name)), key=natural)
     if not names:
         raise RecordingError(f"{shown}: no recording in this folder: expected .db3, .mcap or .bag files")
     if METADATA in there:

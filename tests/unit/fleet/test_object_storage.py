@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import robowidgets
@@ -176,6 +177,22 @@ def test_a_large_drive_is_read_in_parts_with_the_rows_of_the_file_here(
     hits = robowidgets.find(NEAR, "s3://drives/drive.mcap")
     assert [hit[1:] for hit in hits] == [hit[1:] for hit in robowidgets.find(NEAR, drive)]
     assert not hits.unread
+
+
+def test_a_large_folder_of_rosbag2_is_read_in_parts(drive: Path, bucket: Any, calls: list[str], tmp_path: Path) -> None:
+    metadata = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - drive_0.mcap\n"
+    bucket.upload_file(str(drive), "bag/drive_0.mcap")
+    bucket.put_object(Key="bag/metadata.yaml", Body=metadata.encode())
+    calls.clear()
+    with robowidgets.open(drive) as here, robowidgets.open("s3://drives/bag") as there:
+        assert there.topics == here.topics
+        assert len(calls) <= 12
+        assert np.array_equal(there.scans().ranges, here.scans().ranges)
+        drive.write_bytes(drive.read_bytes() + b" ")
+        bucket.upload_file(str(drive), "bag/drive_0.mcap")
+        with pytest.raises(robowidgets.RecordingError, match=r"drive_0\.mcap: it has changed since it was opened"):
+            list(there.messages("/camera"))
+    assert not copies(tmp_path)
 
 
 def test_an_object_that_changes_while_it_is_read_is_reported(drive: Path, bucket: Any) -> None:
