@@ -71,7 +71,7 @@ class Chain:
             source.close()
 
     def _groups(self) -> Iterator[list[_Part]]:
-        """Yield sources whose times overlap together, in the order of their times: none is read before its turn."""
+        """Yield sources whose times overlap together, in the order of their times, so that each waits for its turn."""
         group: list[_Part] = []
         latest = 0
         spans = ((part[0].start_ns, part[0].end_ns, part) for part in self._parts())
