@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import glob
 import json
 import os
@@ -425,7 +426,12 @@ def _objects(system: Any, path: str, shown: str) -> tuple[list[_Object], bool]:
         names.append(METADATA)
     elif len(names) > 1 and not counts_up(names):
         raise RecordingError(f"{shown}: {len(names)} recordings in this folder: open one of them: {listed(names, 5)}")
-    return [_object(there[name], there[name]["name"]) for name in names], True
+    # The page of a web server lists names only; without sizes and states, the files would be fetched each time.
+    infos = [
+        one if one.get("size") is not None else asked(functools.partial(system.info, one["name"]), shown)
+        for one in map(there.__getitem__, names)
+    ]
+    return [_object(info, info["name"]) for info in infos], True
 
 
 def _info(system: Any, path: str, shown: str) -> dict[str, Any] | None:

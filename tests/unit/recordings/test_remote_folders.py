@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import shutil
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import robowidgets
 from robowidgets.files import METADATA, open_source, remote
 
 from .written import START_NS, STEP_NS, messages, read, write_indexed_mcap
@@ -137,3 +141,29 @@ def test_a_damaged_file_of_a_folder_is_fetched_with_the_others_and_repaired(
         assert len([*cache.glob("*/drive/*.mcap")]) == FILES
         there.close()
     fetched.close()
+
+
+def test_a_small_folder_on_a_web_server_is_fetched_once(
+    folder: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("aiohttp")
+    monkeypatch.setattr(remote, "WHOLE", 1 << 20)
+    gets: list[str] = []
+
+    class Handler(SimpleHTTPRequestHandler):
+        def log_request(self, *_: Any) -> None:
+            if self.command == "GET" and not self.path.endswith("/"):
+                gets.append(self.path)
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=str(folder.parent)))
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    for _ in range(2):
+        with robowidgets.open(f"http://127.0.0.1:{server.server_port}/drive/") as there:
+            assert sum(topic.count for topic in there.topics) == COUNT
+            assert there.problems == ()
+    server.shutdown()
+    thread.join()
+    server.server_close()
+    assert sorted(gets) == sorted({*gets})
+    assert len([*cache.glob("*/drive")]) == 1
