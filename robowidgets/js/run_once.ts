@@ -14,10 +14,27 @@ interface Given {
     on(event: string, callback: (content: { later?: string }) => void): void;
     off(event: string, callback: (content: { later?: string }) => void): void;
     send(content: unknown): void;
-    widget_manager?: Partial<Models> & { get_state?: unknown; context?: NotebookContext };
+    widget_manager?: Partial<Models> & { get_state?: unknown; context?: NotebookContext & { model?: Notebook } };
   };
   el: HTMLElement;
   signal: AbortSignal;
+}
+
+/** The outputs of a notebook as JupyterLab displays them. */
+interface Notebook {
+  cells: Iterable<{ outputs?: Outputs }> & { changed: { connect(slot: () => void): void } };
+  dirty: boolean;
+}
+
+interface Output {
+  type: string;
+  data?: Record<string, unknown>;
+}
+
+interface Outputs {
+  length: number;
+  get(index: number): Output & { toJSON(): object };
+  set(index: number, output: object): void;
 }
 
 interface Widget {
@@ -149,6 +166,37 @@ function keepPicture({ model, el, signal }: Given): void {
   signal.addEventListener("abort", () => model.off("change:paused change:playing", onFreeze));
 }
 
+const WIDGET = "application/vnd.jupyter.widget-view+json";
+/** The type that saved_pictures.ts gives the references to widgets. */
+const UNSEEN = "application/vnd.robowidgets.view+json";
+const watched = new WeakSet<Notebook>();
+
+/** Shows the widgets of which a saved notebook has only the pictures, if the kernel still has them. */
+function showWidgets(notebook: Notebook, manager: Partial<Models>): void {
+  for (const { outputs } of notebook.cells) {
+    for (let i = 0; i < (outputs?.length ?? 0); i++) {
+      const output = outputs?.get(i);
+      // Of a stream, reading the data would join all of its text.
+      if (!output || output.type === "stream" || !output.data) continue;
+      const reference = output.data[UNSEEN] as { model_id: string } | undefined;
+      if (!reference || WIDGET in output.data || !manager.has_model?.(reference.model_id)) continue;
+      const { dirty } = notebook;
+      outputs?.set(i, { ...output.toJSON(), data: { ...output.data, [WIDGET]: reference } });
+      notebook.dirty = dirty;
+    }
+  }
+}
+
+/** Does so for the widgets that the kernel has when the page is loaded, and when the notebook is read again. */
+function showSavedWidgets({ widget_manager: manager }: Given["model"]): void {
+  const notebook = manager?.context?.model;
+  if (!notebook?.cells?.changed) return;
+  showWidgets(notebook, manager as Models);
+  if (watched.has(notebook)) return;
+  watched.add(notebook);
+  notebook.cells.changed.connect(() => queueMicrotask(() => showWidgets(notebook, manager as Models)));
+}
+
 export default () => {
   let widget: Widget;
   let closed: AbortSignal;
@@ -163,6 +211,7 @@ export default () => {
         // send them. It keeps the values before the last set.
         void hearAlsoIfLate(model.set("_script", script) as JupyterModel);
         for (let i = 0; i < 2; i++) model.set("_style", sheet);
+        showSavedWidgets(model);
       }
       const { default: make } = await (scripts.get(script) ?? run(script));
       widget = typeof make === "function" ? make() : make;

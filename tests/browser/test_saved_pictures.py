@@ -8,6 +8,7 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from playwright.sync_api import Locator, expect
 
 from .laser import eventually
 from .notebook import Notebook
+from .server import LabServer
 
 MAX_BYTES = 60_000
 KNOB = (37, 99, 235)
@@ -47,6 +49,9 @@ camera.update(np.random.default_rng(1).integers(0, 255, (480, 640, 3), dtype=np.
 camera
 """,
 ]
+SWITCH_SAVING_OF_STATE = (
+    "() => window.jupyterapp.commands.execute('@jupyter-widgets/jupyterlab-manager:saveWidgetState')"
+)
 MARK = """(cards) => {
     for (const card of cards) card.dataset.marked = "";
     return cards.length;
@@ -64,6 +69,7 @@ IS_BAR_OVER = """(path) => {
     const [bar, laser] = ["player", "laser"].map((name) => path.closest(".rw-one-screen").querySelector(`.rw-${name}`));
     return bar.getBoundingClientRect().top > laser.getBoundingClientRect().top;
 }"""
+REVERT = "() => window.jupyterapp.shell.currentWidget.context.revert()"
 WITH_PICTURE = """([path, cell, before]) => {
     const [output] = window.driver.savedOutputs(path, cell);
     const isDrawn = Object.keys(output?.data ?? {}).some((type) => type.startsWith("image/"));
@@ -152,6 +158,44 @@ def test_a_saved_notebook_shows_the_last_pictures_without_scripts_and_the_widget
     html = copy.with_suffix(".html").read_text()
     for cell in range(3):
         assert f'src="data:image/png;base64,{saved(file, cell)["image/png"].strip()}' in html
+
+
+@pytest.fixture
+def stateless(notebook: Any) -> Iterator[Notebook]:
+    """A laser and a player in a JupyterLab that saves no state of widgets, which is its default."""
+    nb: Notebook = notebook([CELLS[0], CELLS[2]])
+    nb.page.evaluate(SWITCH_SAVING_OF_STATE)
+    yield nb
+    nb.page.evaluate(SWITCH_SAVING_OF_STATE)
+
+
+def test_a_notebook_without_the_state_of_its_widgets_shows_them_while_the_kernel_runs_and_then_their_pictures(
+    stateless: Notebook, lab: LabServer
+) -> None:
+    nb = stateless
+    written(nb, 1)
+    nb.save()
+    for cell in range(2):
+        assert "application/vnd.jupyter.widget-view+json" in nb.outputs(cell)[0]["data"]
+        kinds = saved(nb.lab.files / nb.path, cell)
+        assert "application/vnd.jupyter.widget-view+json" not in kinds
+        assert "image/png" in kinds
+    # The page is loaded again, and the notebook is read again: the widgets are live.
+    for distance, again in ((3.0, nb.reload), (1.0, lambda: nb.page.evaluate(REVERT))):
+        again()
+        nb.widget(1).locator(".rw-play").wait_for()
+        nb.scroll_to(0)
+        nb.python(f"see({distance})")
+        expect(nb.widget(0).locator(".rw-laser")).to_contain_text(f"{distance:.2f} m")
+    # The kernel has ended.
+    nb.save()
+    lab.end_sessions()
+    nb.page.reload()
+    nb.open()
+    for cell in range(2):
+        nb.scroll_to(cell)
+        expect(nb.output(cell).locator("img")).to_be_visible()
+        expect(nb.output(cell)).not_to_contain_text("Error")
 
 
 def test_freezing_takes_a_picture_and_a_photograph_becomes_a_small_jpeg(notebook: Any) -> None:
