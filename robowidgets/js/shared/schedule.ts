@@ -34,7 +34,8 @@ class Frames {
   #last: Set<() => void> | null = null;
   /** True while the drawings that do not go first rest. */
   #isResting = false;
-  readonly #printed = new Set<Drawing>();
+  /** The drawings that were asked for in this task while the page prints; null without one. */
+  #printed: Set<Drawing> | null = null;
 
   /** Draws everything that waits: a print has no animation frames. */
   print(): void {
@@ -42,11 +43,12 @@ class Frames {
   }
 
   ask(drawing: Drawing): void {
-    if (isPrinting() && !this.#last && !this.#printed.has(drawing)) {
-      // A card that asks for its next drawing, as while a recording plays, gets it after the print.
+    // A card that asks again, as while a recording plays, gets its next drawing after the print.
+    if (isPrinting() && !this.#last && !this.#printed?.has(drawing)) {
+      // Before the paper is laid out, but after the task: a view that is being made may not be complete yet.
+      if (!this.#printed) queueMicrotask(() => this.#print());
+      this.#printed ??= new Set();
       this.#printed.add(drawing);
-      attempt(drawing.draw);
-      this.#printed.delete(drawing);
       return;
     }
     if (!this.#waiting.size && !this.#last) requestAnimationFrame(() => this.#run());
@@ -55,12 +57,19 @@ class Frames {
 
   forget(drawing: Drawing): void {
     this.#waiting.delete(drawing);
+    this.#printed?.delete(drawing);
   }
 
   /** Calls at the end of the frame that is being drawn, or else at once. */
   atEnd(call: () => void): void {
     if (this.#last) this.#last.add(call);
     else call();
+  }
+
+  /** Draws the requested drawings, and those that these ask for, once each. */
+  #print(): void {
+    for (const { draw } of this.#printed ?? []) attempt(draw);
+    this.#printed = null;
   }
 
   #run(): void {
