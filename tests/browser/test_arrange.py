@@ -142,6 +142,22 @@ def test_cards_and_edges_are_dragged_while_the_kernel_is_busy_and_undone(
     wait_for(lambda: cards(nb) is None, "the preset is off")
 
 
+def test_a_dragged_edge_leaves_the_columns_of_a_narrow_screen_next_to_each_other(
+    plain_page: Callable[..., PlainPage],
+) -> None:
+    nb = plain_page([OPEN, SHOW], width=900, height=900)
+    nb.resize(848, 900)  # of a cell in a window of 1280 px
+    out, page = nb.output(1), nb.page
+    before = {name: box(out.locator(f".rw-{name}")) for name in ("scanogram", "speed", "touch", "laser")}
+    at = before["laser"]["x"] - 2, before["laser"]["y"] + 80
+    drag(page, at, (at[0] - 12, at[1]), drops=False)
+    for name, old in before.items():
+        now = box(out.locator(f".rw-{name}"))
+        assert now["x"] == pytest.approx(old["x"], abs=40), name
+        assert now["y"] == pytest.approx(old["y"], abs=40), name
+    page.mouse.up()
+
+
 def test_keys_move_a_card_and_show_it_alone(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([OPEN, SHOW], width=1100, height=760, theme="dark")
     out, page = nb.output(1), nb.page

@@ -135,9 +135,11 @@ export class ScreenView {
     place(box, elements);
     const shares = sharesOf(parts);
     const rests = parts.map((one) => takesRest(one, this.kindOf));
+    const [least] = leastSize(part, this.kindOf);
     for (const [i, one] of parts.entries()) {
+      const row = part.row && { share: shares[i] ?? 0, least };
       const element = elements[i];
-      if (element) size(element, one, part.row ? shares[i] : undefined, rests[i] || !rests.includes(true), this.kindOf);
+      if (element) size(element, one, row, rests[i] || !rests.includes(true), this.kindOf);
     }
     if (path === "0") {
       // Its cards have the style of small ones.
@@ -179,7 +181,7 @@ export class ScreenView {
   }
 }
 
-const SIZES = ["--rw-share", "--rw-height", "--rw-least", "--rw-least-height", "--rw-grow"];
+const SIZES = ["--rw-share", "--rw-row-least", "--rw-height", "--rw-least", "--rw-least-height", "--rw-grow"];
 
 function unsize(element: HTMLElement): void {
   for (const name of SIZES) element.style.removeProperty(name);
@@ -187,18 +189,19 @@ function unsize(element: HTMLElement): void {
   element.classList.remove("rw-high");
 }
 
-/** Gives a part its sizes in its row or column. */
+/** Gives a part its sizes in its column, or in its row, of which it has a share. */
 function size(
   element: HTMLElement,
   part: Part,
-  share: number | undefined,
+  row: { share: number; least: number } | undefined,
   grows: boolean,
   kindOf: (name: string) => string,
 ): void {
   unsize(element);
   const [least, leastHeight] = leastSize(part, kindOf);
   const values: [string, string | number | undefined][] = [
-    ["--rw-share", share?.toFixed(4)],
+    ["--rw-share", row?.share.toFixed(4)],
+    ["--rw-row-least", row && `${row.least}px`],
     ["--rw-height", part.height ? `${part.height}px` : "auto"], // it would be inherited
     ["--rw-least", `${least}px`],
     ["--rw-least-height", `${part.card === undefined && !part.height ? 0 : Math.max(part.height ?? 0, leastHeight)}px`],
