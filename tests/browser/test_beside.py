@@ -40,6 +40,14 @@ AGREES = """() => {
 SHOWN = "Show this view beside the notebook"
 
 
+BAR = """(bar) => [
+    bar.offsetHeight,
+    bar.querySelector(".rw-stop-words").offsetWidth,
+    bar.closest(".rw-one-screen").querySelector(".rw-simulator").getBoundingClientRect().top
+        - bar.getBoundingClientRect().top,
+]"""
+
+
 @pytest.fixture
 def beside(notebook: Callable[..., Notebook]) -> Callable[..., Notebook]:
     """A notebook with a robot and this cell, all run, in JupyterLab's default mode, which is not simple mode."""
@@ -138,6 +146,27 @@ def test_a_button_moves_the_view_of_a_cell_next_to_the_notebook_too(beside: Call
     expect(pane.locator(".rw-freeze-all")).to_have_text("Freeze")
     nb.python("view.close()")
     expect(pane).to_have_count(0)
+
+
+def test_with_all_its_buttons_the_bar_has_room_for_its_words_and_moves_nothing_when_the_robot_stops(
+    notebook: Callable[..., Notebook],
+) -> None:
+    nb = notebook([ROBOT, SHOW])
+    bar = nb.output(1).locator(".rw-stop-bar")
+    expect(bar.locator(".rw-beside-button")).to_be_visible()
+    for width in (376, 640, 848, 1000, 1280):
+        nb.resize(width)
+        nb.scroll_to(1)
+        measured = []
+        for stopped, words in ((False, "drives"), (True, "nobody")):
+            nb.python(f"robot.stopped = {stopped}")
+            expect(bar.locator(".rw-stop-text")).to_contain_text(words)
+            height, words_width, simulator = bar.evaluate(BAR)
+            measured.append((height, simulator))
+            assert words_width >= 130, width
+        assert measured[0] == measured[1], width
+        if width > 800:
+            assert measured[0][1] == 0, "the room from above stands next to the bar"
 
 
 def test_on_a_page_without_such_a_place_the_bar_shows_what_to_do(plain_page: Callable[..., PlainPage]) -> None:
