@@ -121,5 +121,15 @@ def test_a_word_of_ros_is_explained_under_the_pointer_and_at_the_picture_that_ha
     expect(count).to_have_attribute("title", MARK)
     assert str(count.get_attribute("title")).count("REP 117") == 1
     picture = card.get_by_role("application")
+    # The index under the angle, at the rim.
+    at = picture.bounding_box()
+    assert at is not None
+    ways = [(at["x"] + at["width"] / 2, at["y"] + y) for y in range(4, int(at["height"] / 4), 6)]
+    tips = []
+    for x, y in ways:
+        nb.page.mouse.move(x, y)
+        tips.append(str(picture.get_attribute("title") or "").partition(" is ")[0])
+    assert re.fullmatch(r"\[\d+\]", max(tips)), tips
+    assert tips[-1] == ""
     picture.focus()
     expect(picture).to_have_attribute("aria-description", DESCRIPTION)

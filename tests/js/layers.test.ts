@@ -44,6 +44,16 @@ function picture(...layers: Partial<Layer>[]) {
   };
 }
 
+test("the picture has the tooltip of the drawing under the pointer, also below a layer that takes the pointer", () => {
+  const below: Partial<Layer> = { tip: ({ x }) => (x < 10 ? "an index" : "") };
+  const { element, send } = picture(below, { onHover: () => true });
+  const tips = [105, 120].map((x) => {
+    send("pointermove", x, 60);
+    return (element as unknown as HTMLElement).title;
+  });
+  assert.deepEqual(tips, ["an index", ""]);
+});
+
 test("the layer on top takes its events, and the one below gets the rest", () => {
   const told: string[] = [];
   const below: Partial<Layer> = {

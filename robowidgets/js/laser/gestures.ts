@@ -1,5 +1,5 @@
 import type { Point } from "../shared/box.ts";
-import { isDragged, pointIn } from "../shared/dom.ts";
+import { isDragged, pointIn, setTip } from "../shared/dom.ts";
 import { isOver, isPlain, on } from "../shared/events.ts";
 import { watchZoom, ZOOM_KEYS, type Zoom } from "../shared/zoom.ts";
 import type { Drag, Layer } from "./layer.ts";
@@ -21,6 +21,7 @@ export function watchGestures(
   const hover = (point: Point | null) => {
     let left = point;
     for (const layer of fromTop) if (layer.onHover?.(left)) left = null;
+    setTip(element, (point && fromTop.map((layer) => layer.tip?.(point)).find(Boolean)) || "");
   };
   const click = (point: Point) => fromTop.some((layer) => layer.onClick?.(point));
   const presses = watchPresses(element, fromTop, toPoint, click, () => hover(null), signal);

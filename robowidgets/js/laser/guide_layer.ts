@@ -1,4 +1,4 @@
-import { type Box, overlaps } from "../shared/box.ts";
+import { type Box, holds, overlaps, type Point } from "../shared/box.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { angleOf, type Scan, type Sweep } from "../shared/frames/scan.ts";
 import { type Model, setTraits } from "../shared/model.ts";
@@ -28,6 +28,7 @@ export class GuideLayer implements Layer {
   #arcs: { distance: number; width: number }[] = [];
   #rays: number[] = [];
   #rayLabels: RayLabel[] = [];
+  #shownLabels: RayLabel[] = [];
   #labelBoxes: Box[] = [];
   #arcLabels: ArcLabel[] = [];
 
@@ -55,6 +56,11 @@ export class GuideLayer implements Layer {
     return this.#rayLabels;
   }
 
+  tip(point: Point): string {
+    const label = this.#shownLabels.find((_, i) => holds(this.#labelBoxes[i] as Box, point));
+    return label ? `${label.lines[1]} is the index of this ray in the array ranges, counted from 0.` : "";
+  }
+
   onKey({ key }: KeyboardEvent): boolean {
     if (key !== "a" || !this.#stream.about.mount) return false;
     setTraits(this.#model, { own_angles: !this.#model.get("own_angles") });
@@ -72,6 +78,7 @@ export class GuideLayer implements Layer {
     const thinned = scan ? thinLabels(projection, this.#rayLabels) : [];
     const kept = thinned.filter(isFree);
     // Includes labels that give way now: elements over the picture avoid these boxes.
+    this.#shownLabels = thinned;
     this.#labelBoxes = thinned.map((label) => rimBox(projection, label));
     drawGuides(context, projection, sweep, this.#arcs, scan ? this.#rays : [], theme);
     drawRayLabels(context, projection, sweep, kept, theme);

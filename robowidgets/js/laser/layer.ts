@@ -129,6 +129,8 @@ export interface Layer {
   onPress?(point: Point, isTouch: boolean): Drag | null;
   /** The pointer of a mouse or pen moves, or leaves (null). It leaves all layers below the one that takes it. */
   onHover?(point: Point | null): boolean;
+  /** The tooltip of its drawing at a place; "" without one. */
+  tip?(point: Point): string;
   onClick?(point: Point): boolean;
   onKey?(event: KeyboardEvent): boolean;
   readonly stops?: Stops;
