@@ -24,7 +24,14 @@ import {
   zoneAt,
 } from "../../robowidgets/js/screen/tree.ts";
 
-const KINDS: Record<string, string> = { scan: "laser", odom: "speed", bumper: "touch", plan: "plot", see: "image" };
+const KINDS: Record<string, string> = {
+  scan: "laser",
+  odom: "speed",
+  bumper: "touch",
+  plan: "plot",
+  see: "image",
+  where: "path",
+};
 const kindOf = (name: string) => KINDS[name] ?? "message";
 const cards = (...names: string[]) => names.map((name) => ({ name, kind: kindOf(name) }));
 const TREE = read({
@@ -128,6 +135,12 @@ test("widths are shares, and whole twelfths while an edge is dragged", () => {
   assert.deepEqual(widths(40), [8, 4], "less than half a twelfth");
   assert.deepEqual(widths(-2000), [3, 9], "a laser keeps 260 pixels");
   assert.deepEqual(widths(2000), [10, 2], "and the speeds 200");
+  const pair = resized(read({ row: ["odom", "bumper"] }), edge, 500, [300, 300], kindOf);
+  assert.deepEqual(
+    pair.row?.map(({ width }) => width),
+    [8, 4],
+    "two touch sensors stay side by side",
+  );
 });
 
 test("heights go in steps of 24 pixels, and the part that takes the rest has none", () => {
@@ -215,6 +228,21 @@ test("a preset exists if a card is of its kind", () => {
   assert.deepEqual(pack(presetOf("laser", cards("odom", "scan")) ?? {}), { row: two });
   assert.deepEqual(pack(presetOf("plots", there) ?? {}), { column: ["plan", { row: ["odom", "scan", "bumper"] }] });
   assert.equal(presetOf("camera", there), null);
+  const many = [...cards("scan", "odom", "bumper", "where"), { name: "rays", kind: "scanogram" }];
+  const below = [
+    { card: "rays", width: 8 },
+    { card: "where", width: 4 },
+  ];
+  assert.deepEqual(
+    pack(presetOf("laser", many) ?? {}),
+    {
+      column: [
+        { row, height: 456 },
+        { row: below, height: 240 },
+      ],
+    },
+    "two at its side, so that they can show their numbers",
+  );
   assert.equal(presetOf("laser", cards("scan")), null);
 });
 

@@ -49,7 +49,7 @@ const LEAST: Record<string, [number, number]> = {
   sonar: [260, 260],
   scanogram: [320, 200],
   speed: [200, 120],
-  touch: [150, 110],
+  touch: [176, 110],
   image: [220, 200],
   cloud: [260, 240],
   plot: [260, 180],
@@ -497,9 +497,17 @@ export function presetOf(preset: Preset, cards: readonly CardName[]): Part | nul
     return tidied({ column: [...large.map(toLeaf), ...rowsOf(others.map(toLeaf), 4), ...wide.map(toLeaf)] });
   }
   const small = others.filter(({ kind }) => !LARGER.has(kind));
-  const atSide = small.length ? small.slice(0, MOST_IN_ROW) : others.slice(0, 1);
+  // A large card is lower above others, and has room for fewer at its side.
+  const most = wide.length || others.length > MOST_IN_ROW ? MOST_IN_ROW - 1 : MOST_IN_ROW;
+  const atSide = small.length ? small.slice(0, most) : others.slice(0, 1);
   const side = atSide.map(toLeaf);
   const below = [...rowsOf(others.filter((card) => !atSide.includes(card)).map(toLeaf)), ...wide.map(toLeaf)];
+  const [single, scanogram] = below;
+  if (single?.row?.length === 1 && scanogram?.height) {
+    // A card alone in its row would be too wide.
+    const parts = [bare(scanogram, { width: 8 }), ...single.row.map((part) => bare(part, { width: 4 }))];
+    below.splice(0, 2, { row: parts, height: SCANOGRAM_HEIGHT });
+  }
   const size = below.length ? { height: MAIN_HEIGHT } : {};
   const main: Part = side.length
     ? {
