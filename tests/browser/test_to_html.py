@@ -376,3 +376,7 @@ def test_a_print_has_all_pictures_on_white_without_buttons_and_leaves_the_screen
     page.emulate_media(media="screen", color_scheme="light")
     expect(page.locator("html.rw-printing")).to_have_count(0)
     expect(page.locator(".rw-freeze").first).to_be_visible()
+    page.set_viewport_size({"width": 700, "height": 800})
+    expect(page.locator(".rw-drag-hint")).to_be_visible()
+    page.emulate_media(media="print")
+    expect(page.locator(".rw-drag-hint")).to_be_hidden()
