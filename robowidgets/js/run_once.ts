@@ -171,7 +171,7 @@ const WIDGET = "application/vnd.jupyter.widget-view+json";
 const UNSEEN = "application/vnd.robowidgets.view+json";
 const watched = new WeakSet<Notebook>();
 
-/** Shows the widgets of which a saved notebook has only the pictures, if the kernel still has them. */
+/** Shows the widgets whose pictures a saved notebook has, if the kernel still has them. */
 function showWidgets(notebook: Notebook, manager: Partial<Models>): void {
   for (const { outputs } of notebook.cells) {
     for (let i = 0; i < (outputs?.length ?? 0); i++) {

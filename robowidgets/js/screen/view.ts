@@ -189,7 +189,7 @@ function unsize(element: HTMLElement): void {
   element.classList.remove("rw-high");
 }
 
-/** Gives a part its sizes in its column, or in its row, of which it has a share. */
+/** Gives a part its sizes in its column or row. A row has shares. */
 function size(
   element: HTMLElement,
   part: Part,
