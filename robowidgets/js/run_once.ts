@@ -24,11 +24,20 @@ interface Given {
 interface Notebook {
   cells: Iterable<{ outputs?: Outputs }> & { changed: { connect(slot: () => void): void } };
   dirty: boolean;
+  /** Returns the content of the file. */
+  toJSON(): NotebookFile;
 }
+
+type Data = Record<string, unknown>;
 
 interface Output {
   type: string;
-  data?: Record<string, unknown>;
+  data?: Data;
+}
+
+interface NotebookFile {
+  cells: { outputs?: { data?: Data }[] }[];
+  metadata: { widgets?: { [STATE]?: { state?: Data } } };
 }
 
 interface Outputs {
@@ -167,7 +176,8 @@ function keepPicture({ model, el, signal }: Given): void {
 }
 
 const WIDGET = "application/vnd.jupyter.widget-view+json";
-/** The type that saved_pictures.ts gives the references to widgets. */
+const STATE = "application/vnd.jupyter.widget-state+json";
+/** The type of the references to widgets that saved_pictures.ts adds to outputs with a picture. */
 const UNSEEN = "application/vnd.robowidgets.view+json";
 const watched = new WeakSet<Notebook>();
 
@@ -187,13 +197,30 @@ function showWidgets(notebook: Notebook, manager: Partial<Models>): void {
   }
 }
 
-/** Does so for the widgets that the kernel has when the page is loaded, and when the notebook is read again. */
-function showSavedWidgets({ widget_manager: manager }: Given["model"]): void {
+/**
+ * Returns the content of a file in which outputs with a picture refer to a widget only if the file has its state.
+ * JupyterLab would show an unknown widget as an error, and not its picture.
+ */
+function toFile(content: NotebookFile): NotebookFile {
+  const saved = content.metadata.widgets?.[STATE]?.state ?? {};
+  const toOutput = <O extends { data?: Data }>(output: O): O => {
+    const { [WIDGET]: _widget, ...readable } = output.data ?? {};
+    const reference = readable[UNSEEN] as { model_id: string } | undefined;
+    return !reference || reference.model_id in saved ? output : { ...output, data: readable };
+  };
+  const cells = content.cells.map((cell) => (cell.outputs ? { ...cell, outputs: cell.outputs.map(toOutput) } : cell));
+  return { ...content, cells };
+}
+
+/** Saves pictures for unknown widgets, and shows the known ones when the page is loaded or the notebook read again. */
+function keepReadable({ widget_manager: manager }: Given["model"]): void {
   const notebook = manager?.context?.model;
   if (!notebook?.cells?.changed) return;
   showWidgets(notebook, manager as Models);
   if (watched.has(notebook)) return;
   watched.add(notebook);
+  const toJSON = notebook.toJSON.bind(notebook);
+  notebook.toJSON = () => toFile(toJSON());
   notebook.cells.changed.connect(() => queueMicrotask(() => showWidgets(notebook, manager as Models)));
 }
 
@@ -211,7 +238,7 @@ export default () => {
         // send them. It keeps the values before the last set.
         void hearAlsoIfLate(model.set("_script", script) as JupyterModel);
         for (let i = 0; i < 2; i++) model.set("_style", sheet);
-        showSavedWidgets(model);
+        keepReadable(model);
       }
       const { default: make } = await (scripts.get(script) ?? run(script));
       widget = typeof make === "function" ? make() : make;

@@ -10,8 +10,7 @@ import { toIndexed, toPng } from "./indexed_png.ts";
  */
 
 const WIDGET = "application/vnd.jupyter.widget-view+json";
-const STATE = "application/vnd.jupyter.widget-state+json";
-/** The type of a reference to a widget that no host displays, so that a reader without the widget gets its picture. */
+/** The type of a reference to a widget that no host displays. With it, run_once.ts leaves out the other one. */
 const UNSEEN = "application/vnd.robowidgets.view+json";
 const SMALLEST = 0.25;
 /** Types and scales of a picture, the best first. The first that is small enough is kept. */
@@ -55,20 +54,10 @@ interface SharedCell {
   transact(change: () => void, undoable: boolean, origin: string): void;
 }
 
-/** The content of a notebook's file. */
-export interface NotebookFile {
-  cells: { outputs?: { data?: Data }[] }[];
-  metadata: { widgets?: { [STATE]?: { state?: Record<string, unknown> } } };
-}
-
 /** A notebook that JupyterLab has open. */
 export interface NotebookContext {
   readonly isDisposed: boolean;
-  readonly model: {
-    cells: Iterable<{ sharedModel: SharedCell }>;
-    /** Returns the content of the file. */
-    toJSON(): NotebookFile;
-  };
+  readonly model: { cells: Iterable<{ sharedModel: SharedCell }> };
   readonly sessionContext: { iopubMessage: Signal<Message> };
   readonly saveState: Signal<string>;
   save(): Promise<void>;
@@ -108,9 +97,6 @@ export class SavedPictures {
       if (content.execution_state === "idle") this.soon();
     });
     context.saveState.connect((_, state) => this.#onSave(state));
-    const { model } = context;
-    const toJSON = model.toJSON.bind(model);
-    model.toJSON = () => toFile(toJSON());
     this.soon();
   }
 
@@ -193,22 +179,6 @@ export class SavedPictures {
     }
     return [...sheets].join("\n");
   }
-}
-
-/**
- * Returns the content of a file in which outputs with a picture refer to a widget only if the file has its state. Of
- * an unknown widget JupyterLab shows an error above all else; a reader gets the picture then. `showWidgets` of
- * run_once.ts shows the widget again while its kernel runs.
- */
-export function toFile(content: NotebookFile): NotebookFile {
-  const saved = content.metadata.widgets?.[STATE]?.state ?? {};
-  const toOutput = <O extends { data?: Data }>(output: O): O => {
-    const { [WIDGET]: _widget, ...readable } = output.data ?? {};
-    const reference = readable[UNSEEN] as { model_id: string } | undefined;
-    return !reference || reference.model_id in saved ? output : { ...output, data: readable };
-  };
-  const cells = content.cells.map((cell) => (cell.outputs ? { ...cell, outputs: cell.outputs.map(toOutput) } : cell));
-  return { ...content, cells };
 }
 
 /** The cards of a view that are on show and in no other card, without those that only drive or choose. */
