@@ -171,6 +171,7 @@ class DdsSession:
                     writer.write(writer.data_type(raw))
             # cyclonedds does the same on garbage collection. It has no other call to end a participant.
             self._participant.__del__()
+            self._domain = None  # it ends with the last reference
 
     def wake(self) -> None:
         """Make `wait` return."""

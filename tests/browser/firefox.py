@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from ..reserved import free_port
+
 NAMES = ("firefox-esr", "firefox")
 SECONDS = 240
 """Seconds that it may stay silent: a page may start JupyterLite on a busy machine."""
@@ -97,9 +99,7 @@ def running(folder: Path, preferences: Mapping[str, Any] | None = None) -> Itera
     """Start a Firefox with a new profile in a folder, and with preferences as about:config lists them."""
     path = found()
     assert path
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     all_of_them = {**_PREFERENCES, **(preferences or {}), "marionette.port": port}
     lines = [f"user_pref({json.dumps(name)}, {json.dumps(value)});" for name, value in all_of_them.items()]
     folder.mkdir(exist_ok=True)

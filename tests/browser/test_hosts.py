@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -16,6 +15,7 @@ from urllib.request import urlopen
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from ..reserved import free_port
 from ..unit.waiting import wait_for
 from .chromium import PICTURES, SCREENSHOTS, shoot
 from .notebook import notebook_of
@@ -81,9 +81,7 @@ def _(recording):
 @contextmanager
 def serving(folder: Path, command: Callable[[int], list[str]]) -> Iterator[str]:
     """Start a host on a free port, and yield its address."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     environment = {**os.environ, "HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
     with (folder / "log").open("w") as log:
         process = subprocess.Popen(

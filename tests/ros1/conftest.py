@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from ..reserved import free_port
 from ..unit.waiting import wait_for
 
 PYTHON = "/usr/bin/python3"
@@ -22,9 +23,7 @@ class Master:
     """The only rosmaster of a process: the process has one rospy node, tied to one master."""
 
     def __init__(self) -> None:
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self.port = free.getsockname()[1]
+        self.port = free_port()
         self._process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:

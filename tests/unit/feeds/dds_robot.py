@@ -192,6 +192,9 @@ def tell(what: Any) -> None:
 
 
 def hear(reader: Any) -> None:
+    while not reader.get_matched_publications():
+        time.sleep(0.002)
+    tell("matched")
     # Whatever the state of the writer, as the middleware of ROS does: by default samples of a deleted writer remain.
     condition = ReadCondition(reader, ViewState.Any | SampleState.NotRead | InstanceState.Any)
     for message in reader.take_iter(condition=condition, timeout=duration(seconds=60)):
@@ -248,8 +251,8 @@ class Robot:
         policy = Policy.Reliability.Reliable(duration(seconds=1)) if reliable else Policy.Reliability.BestEffort
         qos = Qos(policy, Policy.History.KeepLast(100))
         reader = DataReader(self.participant, self.topic(topic, TYPES[kind]), qos)
+        tell("ready")  # before the first message
         threading.Thread(target=hear, args=(reader,), daemon=True).start()
-        tell("ready")
 
     def want_kept(self, topic: str, kind: str) -> None:
         """Request the messages that are kept for late subscribers."""

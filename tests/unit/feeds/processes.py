@@ -12,8 +12,10 @@ import threading
 from pathlib import Path
 from typing import Any
 
-# Test runs on one machine must not hear each other. From domain 102 on, other programs on Linux may use the ports.
-DOMAIN = 60 + os.getpid() % 42
+from ...reserved import free_domain
+
+DOMAIN = free_domain()
+"""Test runs on one machine must not hear each other."""
 
 
 class Process:
@@ -23,6 +25,7 @@ class Process:
         command = [sys.executable, str(Path(__file__).with_name(script)), *map(str, arguments)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self._told: queue.Queue[str] = queue.Queue()
+        self.matched = threading.Event()
         threading.Thread(target=self._listen, daemon=True).start()
 
     def do(self, *what: Any) -> None:
@@ -57,7 +60,10 @@ class Process:
         assert self._process.stdout is not None
         with self._process.stdout as lines:
             for line in lines:
-                self._told.put(line)
+                if line == '"matched"\n':
+                    self.matched.set()
+                else:
+                    self._told.put(line)
 
 
 class DdsRobot(Process):
@@ -65,8 +71,13 @@ class DdsRobot(Process):
 
     def __init__(self, lease: str = "10s") -> None:
         super().__init__("dds_robot.py", DOMAIN, lease)
+        self.may_lose = False
 
     def hear(self, topic: str, kind: str, reliable: bool = True) -> None:
-        """Make it report the messages of a topic from now on."""
+        """Make it report the messages of a topic from now on, and set `matched` once it has discovered their publisher.
+
+        Unless it is reliable, it loses what is published before that.
+        """
+        self.may_lose = not reliable
         self.do("hear", topic, kind, reliable)
         assert self.heard() == "ready"

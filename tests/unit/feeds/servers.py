@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import socket
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -126,9 +125,3 @@ class Server:
         for client in list(self.clients):
             client.ws_connection.stream.close()
         await web.close_all_connections()
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

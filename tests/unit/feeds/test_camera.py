@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -16,6 +15,7 @@ from robowidgets.feeds.simulator import Simulated
 from robowidgets.messages.encoding import encode
 
 from ... import camera_drive
+from ...reserved import free_domain
 from ..clocks import ManualClock
 from ..cloud.test_cloud_widget import cloud_message
 from ..pages import get_newest
@@ -29,7 +29,6 @@ Robot = tuple[Feed, Publish]
 
 IMAGE, DEPTH = "/camera/image_raw", "/camera/depth/image_rect_raw"
 CLOUD = "/points"
-DOMAIN = 90 + os.getpid() % 60  # several test runs on one machine must not hear each other
 
 
 @pytest.fixture
@@ -57,13 +56,13 @@ def robot(request: pytest.FixtureRequest, types: dict[str, str]) -> Iterator[Rob
 
     from robowidgets.feeds._dds_types import dds_topic, struct
 
-    participant = DomainParticipant(DOMAIN)
+    participant = DomainParticipant(free_domain())
     kinds = {topic: struct(kind, definition(kind)) for topic, kind in types.items()}
     qos = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepLast(1))
     writers = {
         topic: DataWriter(participant, Topic(participant, dds_topic(topic), kind), qos) for topic, kind in kinds.items()
     }
-    with feeds.dds(DOMAIN) as feed:
+    with feeds.dds(free_domain()) as feed:
         yield (
             feed,
             lambda topic, fields: writers[topic].write(kinds[topic](encode("cdr", types[topic], fields))),

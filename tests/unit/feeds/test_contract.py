@@ -22,11 +22,11 @@ from robowidgets.recordings import RecordingData
 from robowidgets.simulator import Robot as SimulatedRobot
 from robowidgets.simulator import World
 
+from ...reserved import free_port
 from . import bridge, processes
 from .contract import SCAN, TWIST, Robot, RobotContract, Source, SourceContract, fixture_of
 from .fake_rclpy import QoSProfile, get_message, install
 from .fox import cdr, definition
-from .servers import free_port
 from .test_ros2 import Robot as RclpyListener
 
 

@@ -12,7 +12,7 @@ import threading
 import time
 import weakref
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
@@ -35,6 +35,7 @@ from robowidgets.feeds.middleware import Advert, FeedError
 from robowidgets.messages import add_definitions, definitions
 from robowidgets.messages.decoding import DecodeError
 from robowidgets.messages.encoding import encode
+from robowidgets.runtime.clock import RealClock
 from robowidgets.samples import Level
 
 from ..clocks import ManualClock
@@ -53,6 +54,9 @@ HASHES = {
     "OldRange": "typehash=RIHS01_9430b1915b94d4268ff903679e8ecd09b6a67d331bd028738ec1eeb592891ebd;",
     "Range": "typehash=RIHS01_b42b62562e93cbfe9d42b82fe5994dfa3d63d7d5c90a317981703f7388adff3a;",
 }
+
+LIMITS = {name: getattr(_dds_session, name) for name in ("_MATCHING", "_CONFIRMING")}
+SETTLING = _dds_session._SETTLING
 
 
 def get_session(dds: Dds) -> _dds_session.DdsSession:
@@ -85,9 +89,8 @@ def age_zero(dds: Dds, topic: str) -> Any:
 
 
 @pytest.fixture
-def start() -> Iterator[Callable[..., Robot]]:
+def start(robots: list[Robot]) -> Iterator[Callable[..., Robot]]:
     """Starts robots, which end with the test, also if it fails."""
-    robots: list[Robot] = []
 
     def start_one(lease: str = "10s") -> Robot:
         robots.append(Robot(lease))
@@ -113,22 +116,55 @@ def heard() -> Ears:
     return Ears()
 
 
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A robot on a busy machine may match and confirm late: only tests of these limits have them."""
+    for limit in LIMITS:
+        monkeypatch.setattr(_dds_session, limit, 120.0)
+
+
 @pytest.fixture
-def dds(heard: Ears) -> Iterator[Dds]:
-    dds = Dds(DOMAIN, interface="lo")
+def limits(patient: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The limits of the product."""
+    for limit, seconds in LIMITS.items():
+        monkeypatch.setattr(_dds_session, limit, seconds)
+
+
+class Settling(RealClock):
+    """A clock whose moment for the discovery of a publisher lasts until robots that may lose messages know it."""
+
+    def __init__(self, robots: Sequence[Robot]) -> None:
+        self._robots = robots
+
+    def sleep(self, seconds: float) -> None:
+        if seconds != SETTLING:
+            time.sleep(seconds)
+            return
+        for robot in self._robots:
+            assert not robot.may_lose or robot.matched.wait(120)
+
+
+@pytest.fixture
+def robots() -> list[Robot]:
+    return []
+
+
+@pytest.fixture
+def dds(heard: Ears, robots: list[Robot]) -> Iterator[Dds]:
+    dds = Dds(DOMAIN, interface="lo", clock=Settling(robots))
     dds.open(heard)
     yield dds
     dds.close()
 
 
-def publish_until(robot: Robot, condition: Any, what: str, *message: Any, seconds: float = 120.0) -> None:
+def publish_until(robot: Robot, condition: Any, what: str, *message: Any) -> None:
     def done() -> bool:
         if condition():
             return True
         robot.do("write", *message)
         return False
 
-    wait_for(done, what, seconds)
+    wait_for(done, what)
 
 
 def memory() -> int:
@@ -258,9 +294,7 @@ def test_messages_of_100_mb_come_hold_up_no_other_topic_and_leave_no_memory_behi
         heard.messages.clear()
         robot.do("latch", "/image", "Image", 100_000_000)
         dds.follow(frozenset({"/scan", "/image"}))
-        publish_until(
-            other, lambda: "/image" in [topic for topic, _ in heard.messages], "the image came", *scan, seconds=60.0
-        )
+        publish_until(other, lambda: "/image" in [topic for topic, _ in heard.messages], "the image came", *scan)
         publish_until(other, lambda: heard.messages[-1][0] == "/scan", "scans go on", *scan)
         dds.follow(frozenset({"/scan"}))
     came = [(topic, len(message.data) if topic == "/image" else 0) for topic, message in heard.messages]
@@ -286,7 +320,7 @@ def test_the_robot_hears_the_speed_that_it_listens_to(
     assert (got["linear"]["x"], got["angular"]["z"]) == (0.25, -0.5)
 
 
-def test_publishing_without_a_connection_raises(dds: Dds, heard: Ears) -> None:
+def test_publishing_without_a_connection_raises(limits: None, dds: Dds, heard: Ears) -> None:
     never = Dds(DOMAIN, interface="lo")
     wait_for(lambda: heard.connected, "it takes part")
     dds.publish("/cmd_vel", TWIST, {})
@@ -296,7 +330,7 @@ def test_publishing_without_a_connection_raises(dds: Dds, heard: Ears) -> None:
             unconnected.publish("/cmd_vel", TWIST, {})
 
 
-def test_a_message_that_dds_does_not_take_is_reported(heard: Ears) -> None:
+def test_a_message_that_dds_does_not_take_is_reported(limits: None, heard: Ears) -> None:
     session = _dds_session.DdsSession(DOMAIN, heard)
     raw = encode("cdr", TWIST, {})
     session.publish("/cmd_vel", TWIST, raw, is_zero=True)
@@ -352,15 +386,12 @@ def test_speeds_are_sent_at_once_while_scans_come_at_a_high_rate(
 def test_the_first_message_is_heard(dds: Dds, heard: Ears, robot: Robot, reliable: bool) -> None:
     robot.hear("/cmd_vel", "Twist", reliable)
     wait_for(lambda: heard.topics, "the topic is known")
-    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
-    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 1.0}})
-    assert [robot.heard()["linear"]["x"] for _ in range(2)] == [0.0, 1.0]
+    for x in (0.0, 1.0):  # the next one may replace the one before until that has come
+        dds.publish("/cmd_vel", TWIST, {"linear": {"x": x}})
+        assert robot.heard()["linear"]["x"] == x
 
 
-def test_the_first_message_waits_for_a_subscriber_that_is_known_a_moment_later(
-    dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(_dds_session, "_MATCHING", 20.0)
+def test_the_first_message_waits_for_a_subscriber_that_is_known_a_moment_later(dds: Dds, robot: Robot) -> None:
     session = get_session(dds)
     publishing = threading.Thread(target=dds.publish, args=("/cmd_vel", TWIST, {"linear": {"x": 0.5}}))
     publishing.start()
@@ -370,7 +401,7 @@ def test_the_first_message_waits_for_a_subscriber_that_is_known_a_moment_later(
     publishing.join()
 
 
-def test_the_first_message_waits_a_moment_if_no_subscriber_comes(heard: Ears) -> None:
+def test_the_first_message_waits_a_moment_if_no_subscriber_comes(limits: None, heard: Ears) -> None:
     clock, reads = ManualClock(), ("robowidgets-dds",)
     with closing(Dds(DOMAIN, interface="lo", clock=clock)) as dds:
         dds.open(heard)
@@ -395,7 +426,7 @@ def test_subscribers_of_two_types_match_before_the_first_message(
 
 
 def test_stop_does_not_wait_until_a_subscriber_of_another_type_matches(
-    robot: Robot, other: Robot, monkeypatch: pytest.MonkeyPatch
+    kernel_sends: None, robot: Robot, other: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot.hear("/retyped", "Twist")
     with Feed(Dds(DOMAIN, interface="lo")) as feed:
@@ -438,12 +469,13 @@ def test_a_zero_right_before_closing_arrives(heard: Ears, robot: Robot) -> None:
 def test_a_zero_that_a_subscriber_has_confirmed_is_not_sent_again(dds: Dds, heard: Ears, robot: Robot) -> None:
     robot.hear("/cmd_vel", "Twist")
     wait_for(lambda: heard.topics, "the topic is known")
-    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.5}})
-    dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.0}})
+    for x in (0.5, 0.0):  # zero may replace the speed until that has come
+        dds.publish("/cmd_vel", TWIST, {"linear": {"x": x}})
+        assert robot.heard()["linear"]["x"] == x
     zeros = age_zero(dds, "/cmd_vel")
     wait_for(lambda: zeros.repeats == len(_zeros.AGAIN), "it was looked at")
     dds.publish("/cmd_vel", TWIST, {"linear": {"x": 0.25}})
-    assert [robot.heard()["linear"]["x"] for _ in range(3)] == [0.5, 0.0, 0.25]
+    assert robot.heard()["linear"]["x"] == 0.25
 
 
 def test_a_best_effort_subscriber_gets_zero_some_more_times(dds: Dds, heard: Ears, robot: Robot) -> None:
@@ -490,7 +522,7 @@ def test_a_robot_that_comes_back_gets_the_zero_that_was_sent_meanwhile(
 
 
 def test_closing_does_not_wait_for_a_robot_that_does_nothing_any_more(
-    dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
+    limits: None, dds: Dds, heard: Ears, robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot.hear("/cmd_vel", "Twist")
     wait_for(lambda: heard.topics, "the topic is known")
@@ -679,11 +711,14 @@ def test_twenty_opens_and_closes_leave_no_thread_no_socket_and_no_memory() -> No
 def test_closing_ends_the_participant_though_something_refers_to_it(heard: Ears) -> None:
     dds = Dds(DOMAIN, interface="lo")
     dds.open(heard)
-    participant = get_session(dds)._participant
+    session = get_session(dds)
+    participant = session._participant
     assert participant.guid
     dds.close()
     with pytest.raises(DDSException):
         _ = participant.guid
+    again = Domain(DOMAIN, dds_robot.LOOPBACK)  # which raises while a domain remembers the robots that it had
+    del again, session
 
 
 def test_a_network_that_is_not_there_is_tried_again(heard: Ears) -> None:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import socket
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -23,13 +20,13 @@ from robowidgets.messages.decoding import decoder_of, definition_of
 from robowidgets.messages.encoding import encode
 from robowidgets.widget.sample_widget import SampleWidget
 
+from ...reserved import free_domain, free_port
 from ..pages import get_newest
 from ..recordings.first_messages import Sent, by_type, first_messages
 from ..recordings.test_fields import bits
 from ..waiting import wait_for
 
 FEW = 2
-DOMAIN = 160 + os.getpid() % 70  # several test runs on one machine must not hear each other
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +116,7 @@ def assert_shown(feed: Feed, sent: Sequence[Sent], send: Callable[[int], object]
             return not left
 
         try:
-            wait_for(came, "each has come", 60.0)
+            wait_for(came, "each has come")
         except AssertionError:
             topic, message = next(iter(left.items()))
             assert_same(as_messages[topic].message, message, topic)
@@ -180,13 +177,13 @@ def test_over_dds_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: lis
 
     there = [(one, kind) for one in sent if (kind := known(one))]
     assert (len(there) > 120, len(by_type([one for one, _ in there])) > 50) == (True, True)
-    robot = DomainParticipant(DOMAIN)
+    robot = DomainParticipant(free_domain())
     kept = Policy.Reliability.Reliable(10**9), Policy.Durability.TransientLocal, Policy.History.KeepLast(1)
     writers = []
     for one, kind in there:
         says = Policy.Userdata(type_hash(one.channel.type, one.channel.definition))
         writers.append(DataWriter(robot, Topic(robot, dds_topic(one.topic), kind), Qos(*kept, says)))
-    with feeds.dds(DOMAIN) as feed:
+    with feeds.dds(free_domain()) as feed:
 
         def send(number: int) -> None:
             """Send each once: they are kept for late subscribers."""
@@ -217,9 +214,7 @@ def test_over_zenoh_every_topic_of_a_known_type_is_shown_to_the_last_bit(sent: l
 
     there = [(one, own) for one in sent if (own := known(one))]
     assert (len(there) > 120, len(by_type([one for one, _ in there])) > 50) == (True, True)
-    with closing(socket.socket()) as probe:
-        probe.bind(("127.0.0.1", 0))
-        where = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+    where = f"tcp/127.0.0.1:{free_port()}"
     publishers = []
     with open_router(where) as robot:
         for number, (one, own) in enumerate(there):

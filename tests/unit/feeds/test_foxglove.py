@@ -22,12 +22,12 @@ from robowidgets.feeds import _bridge, _websocket
 from robowidgets.feeds.foxglove import Foxglove
 from robowidgets.feeds.middleware import Advert, FeedError
 
+from ...reserved import free_port
 from ..waiting import wait_for
 from .bridge import Rosbridge
 from .bursts import EVERY, record_bursts
 from .ears import Ears
 from .fox import NOETIC, SCAN, OldFoxglove, cdr, channel, definition, scan
-from .servers import free_port
 
 foxglove.set_log_level("CRITICAL")
 TWIST = "geometry_msgs/msg/Twist"

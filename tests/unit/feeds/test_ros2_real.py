@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -26,10 +25,11 @@ from sensor_msgs.msg import LaserScan
 from robowidgets.feeds.middleware import Advert, FeedError
 from robowidgets.feeds.ros2 import Ros2
 
+from ...reserved import free_domain
 from ..waiting import wait_for
 from .ears import Ears
 
-DOMAIN = 1 + os.getpid() % 100
+DOMAIN = free_domain()
 SCAN = "sensor_msgs/msg/LaserScan"
 
 

@@ -19,12 +19,12 @@ from robowidgets.feeds.middleware import CLOSE_TIMEOUT, Advert, FeedError
 from robowidgets.feeds.rosbridge import Rosbridge
 from robowidgets.messages import to_scan
 
+from ...reserved import free_port
 from ..clocks import ManualClock
 from ..waiting import wait_for
 from .bridge import Rosbridge as Server
 from .bursts import EVERY, record_bursts
 from .ears import Ears
-from .servers import free_port
 
 SCAN = "sensor_msgs/msg/LaserScan"
 TWIST = "geometry_msgs/msg/Twist"

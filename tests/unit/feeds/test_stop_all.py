@@ -13,7 +13,7 @@ import pytest
 from robowidgets import feeds
 from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import CommandWatchdog
-from robowidgets.feeds import Feed
+from robowidgets.feeds import Driving, Feed
 
 from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, Scripted
@@ -158,12 +158,17 @@ class TestStopAll:
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="Cyclone DDS is installed on Linux alone")
-def test_robots_of_dds_and_foxglove_and_a_simulated_one_stand_at_once_while_one_is_lost(opened: ExitStack) -> None:
+def test_robots_of_dds_and_foxglove_and_a_simulated_one_stand_at_once_while_one_is_lost(
+    opened: ExitStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from foxglove.websocket import Capability
+
+    from robowidgets.feeds import _dds_session
 
     from .test_dds import DOMAIN, Robot
     from .test_foxglove import Real, Taken
 
+    monkeypatch.setattr(_dds_session, "_CONFIRMING", 120.0)  # for a busy machine
     robot = Robot()
     opened.callback(robot.kill)
     robot.hear("/cmd_vel", "Twist")
@@ -175,6 +180,7 @@ def test_robots_of_dds_and_foxglove_and_a_simulated_one_stand_at_once_while_one_
     over_foxglove = opened.enter_context(feeds.foxglove(real.address))
     lost = opened.enter_context(feeds.foxglove("ws://127.0.0.1:9"))
     wait_for(lambda: over_dds.topics and not over_foxglove.status, "they are connected")
+    simulated.driving = Driving(hold=3600.0)  # otherwise it may stand again before this test looks
     simulated.drive(0.3)
     wait_for(lambda: simulated.robot.speed().linear[0] > 0.1, "it drives")
     everybody = feeds.StopAll({"dds": over_dds, "fox": over_foxglove, "sim": simulated, "lost": lost})

@@ -80,13 +80,16 @@ class Robot:
 
     def hear(self, topic: str, kind: str) -> None:
         """Report the speeds on a topic."""
+        ready = threading.Event()
 
         def heard(message: Any) -> None:
+            ready.wait()
             twist = getattr(message, "twist", message)
             tell([twist.linear.x, twist.angular.z])
 
         self._subscribers.append(ROS2Subscriber(topic, kind, callback=heard, node_name="base", **self._kind(kind)))
         tell("ready")
+        ready.set()
 
     def stop(self, topic: str, kind: str) -> None:
         self._publishers.pop((topic, kind)).close()
@@ -112,11 +115,13 @@ class Robot:
         wire = f"{package}::msg::dds_::{name}_"
         if (topic, kind) not in self._raw:
             key = f"{self._domain}/{topic.strip('/')}/{wire}/{type_hash}"
+            block = zenoh.CongestionControl.BLOCK  # by default, a publisher drops what does not fit into its queue
             if qos == KEPT:
-                cache = ext.CacheConfig(1)
-                publisher = ext.declare_advanced_publisher(self._session, key, cache=cache, publisher_detection=True)
+                publisher = ext.declare_advanced_publisher(
+                    self._session, key, congestion_control=block, cache=ext.CacheConfig(1), publisher_detection=True
+                )
             else:
-                publisher = self._session.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK)
+                publisher = self._session.declare_publisher(key, congestion_control=block)
             token = f"@ros2_lv/{self._domain}/{self._session.info.zid()}/0/{next(self._numbers)}/MP/%/%/raw/"
             token += "/".join((topic.replace("/", "%"), wire, type_hash, qos))
             held = self._session.liveliness().declare_token(token)
