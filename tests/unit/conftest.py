@@ -13,6 +13,7 @@ from . import lock_order
 
 lock_order.install()
 
+from robowidgets.behaviors import program as _program  # noqa: E402
 from robowidgets.feeds import Feed  # noqa: E402
 from robowidgets.messages import definitions  # noqa: E402
 from robowidgets.widget import pacer as _pacer  # noqa: E402
@@ -23,6 +24,10 @@ from .senders import get_timers, turn_of  # noqa: E402
 from .waiting import wait_for  # noqa: E402
 
 lock_order.note_calls()
+
+STEP_LIMITS = {"STEP": _program.STEP, "HELD": _program.HELD}
+# A busy machine may delay a step, and a program that has failed takes no further step: a test would wait in vain.
+_program.STEP, _program.HELD = _program.STEP._replace(late=3600.0), 3600.0
 
 KEPT = {"robowidgets-pacer", "robowidgets-rerun", "robowidgets-timer"}
 """Threads that exist once in a process, to its end."""
@@ -35,6 +40,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         takes[item.path] += 20 if item.get_closest_marker("slow") else 1
     items.sort(key=lambda item: -takes[item.path])
+
+
+@pytest.fixture
+def step_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The limits of steps of programs for users, for a test of what follows a late step."""
+    for name, limit in STEP_LIMITS.items():
+        monkeypatch.setattr(_program, name, limit)
 
 
 @pytest.fixture

@@ -27,6 +27,8 @@ from robowidgets.samples.staleness import STEP_SILENCE
 from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for
 
+pytestmark = pytest.mark.usefixtures("step_limits")
+
 WORKER = "robowidgets-program"
 HUNG = (WORKER,)
 REFUSED = "this function was disconnected, replaced or ended while it was at work"
