@@ -16,6 +16,12 @@ from .plain_page import PlainPage
 from .sonar import ALARMS, EMPTY, MANY, PIONEER, STUDENT
 from .test_png import differences, download, seen
 
+UNHURRIED = """
+import robowidgets.sonar_widget as widget_of_a_test
+widget_of_a_test.LIVE = widget_of_a_test.LIVE._replace(shortest=10.0)
+"""
+"""Let a sensor with a rate be silent as late as one without: a busy machine may draw a reading after a second."""
+
 
 def at(card: Locator, degrees: float, part: float = 0.5) -> tuple[float, float]:
     """A point in the picture of a round ring, in this direction from forward, at a share of the half height."""
@@ -98,6 +104,7 @@ def test_it_freezes_while_a_cell_runs_and_steps_through_its_history(plain_page: 
     nb = plain_page([STUDENT])
     listen(nb.page)
     card = nb.widget(0).locator(".rw-card")
+    nb.python(UNHURRIED)
     feed = (
         "from robowidgets.widget.pacer import pacer\nfor i in range(5): sonars.update(front=1 + i / 10); pacer.flush()"
     )
