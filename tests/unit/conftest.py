@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,6 +18,7 @@ lock_order.install()
 from robowidgets.behaviors import program as _program  # noqa: E402
 from robowidgets.feeds import Feed  # noqa: E402
 from robowidgets.messages import definitions  # noqa: E402
+from robowidgets.runtime.user_threads import UserThread  # noqa: E402
 from robowidgets.widget import pacer as _pacer  # noqa: E402
 from robowidgets.widget.pacer import Pacer  # noqa: E402
 
@@ -28,6 +31,23 @@ lock_order.note_calls()
 STEP_LIMITS = {"STEP": _program.STEP, "HELD": _program.HELD}
 # A busy machine may delay a step, and a program that has failed takes no further step: a test would wait in vain.
 _program.STEP, _program.HELD = _program.STEP._replace(late=3600.0), 3600.0
+
+
+class QuietEnd:
+    """An unraisable hook that ignores the end of a user's thread in a finalizer: it may be ended again in the hook."""
+
+    def __init__(self, hook: Callable[[Any], object]) -> None:
+        self._hook = hook
+
+    def __call__(self, unraisable: Any) -> None:
+        if not (issubclass(unraisable.exc_type, SystemExit) and isinstance(threading.current_thread(), UserThread)):
+            self._hook(unraisable)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_configure() -> None:
+    sys.unraisablehook = QuietEnd(sys.unraisablehook)
+
 
 KEPT = {"robowidgets-pacer", "robowidgets-rerun", "robowidgets-timer"}
 """Threads that exist once in a process, to its end."""
