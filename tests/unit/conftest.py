@@ -64,7 +64,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture
 def step_limits(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The limits of steps of programs for users, for a test of what follows a late step."""
+    """Set the limits that steps of programs have for users, for tests of late steps."""
     for name, limit in STEP_LIMITS.items():
         monkeypatch.setattr(_program, name, limit)
 
