@@ -20,7 +20,7 @@ UNHURRIED = """
 import robowidgets.sonar_widget as widget_of_a_test
 widget_of_a_test.LIVE = widget_of_a_test.LIVE._replace(shortest=10.0)
 """
-"""Let a sensor with a rate be silent as late as one without: a busy machine may draw a reading after a second."""
+"""Makes a sensor with a rate silent as late as one without: a busy machine may draw a reading after a second."""
 
 
 def at(card: Locator, degrees: float, part: float = 0.5) -> tuple[float, float]:
