@@ -420,6 +420,12 @@ class Feed:
             >>> avoid.mode
             'ended'
         """
+        for name, topic in topics.items():
+            if not isinstance(topic, str):
+                raise TypeError(
+                    f"program: {name}={topic!r}: expected the name of a topic as text for the parameter {name!r}; "
+                    "the other arguments are rate= and on="
+                )
         self.connection.check_open(*topics.values(), *(() if on is None else (on,)))
         if function is not None:
             return self._install(function, rate, on, topics)
