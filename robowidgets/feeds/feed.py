@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from ..behaviors.drive import Drive
 from ..behaviors.variables import Variables
 from ..driving.command_watchdog import Velocity
 from ..notebook.cells import CellNote, name_in_cells
@@ -353,6 +354,10 @@ class Feed:
             FeedError: the robot cannot be reached, driven, or driven sideways; a hand holds a pad; stop is latched; or
                 the feed is closed. Nothing is sent then.
         """
+        if isinstance(linear, Drive):
+            raise TypeError(
+                f"drive(): expected numbers, as in feed.drive(0.2, 0.5); got {linear}, as a program returns it"
+            )
         self.driver.drive(Velocity(linear, angular, lateral))
         self._drive_note.print(
             lambda: (
