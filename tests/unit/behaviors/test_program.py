@@ -566,6 +566,13 @@ def test_a_program_that_can_never_run_is_refused(robot: Feed, define: Any, error
     assert robot.programs.current is None
 
 
+def test_a_topic_of_another_kind_is_not_a_scan(robot: Feed, script: Scripted) -> None:
+    program = robot.program(lambda scan: Drive(scan.distance()), scan="/odom")
+    script.listener.on_message("/odom", odometry(0.0, 0.0, 0.0))
+    wait_for(lambda: "scan='/odom': expected a topic of laser scans, got one of speeds" in repr(program), "it says so")
+    assert program.error == ""
+
+
 def test_of_several_scanners_one_must_be_named(script: Scripted) -> None:
     script = Scripted(SCAN, SCAN._replace(name="/rear"), CMD_VEL)
     with Feed(script) as robot:
