@@ -47,7 +47,8 @@ class ProgramWidget(DrivingWidget):
     def __init__(self, robot: Any, **kwargs: Any) -> None:
         programs = getattr(robot, "programs", None)
         if not isinstance(programs, Programs):
-            raise TypeError(f"ProgramWidget(): expected a feed, got {robot!r}")
+            got = repr(robot).splitlines()[0]
+            raise TypeError(f"ProgramWidget(): expected a feed, such as feeds.simulator(), got {got}")
         self._programs = programs
         self._shown: Program | None = None
         super().__init__(**kwargs)

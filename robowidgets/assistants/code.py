@@ -18,6 +18,7 @@ from typing import Any
 
 import anyio
 
+from ..runtime.text import many
 from .answer import AnswerError, ToolAnswer, from_robot, name, number, seconds
 
 TIMEOUT_S = 60.0
@@ -98,7 +99,7 @@ def _lines(source: str, function: str | None, recording: str, at: float, rate: f
             "error_of_the_step": from_robot(step.error) if step.error else "",
             "ended_early": from_robot(lines.error) if lines.error else "",
         }  # fmt: skip
-        return ToolAnswer(f"{len(lines):,} steps; the lines of the step at {step.seconds:.2f} s.", data)
+        return ToolAnswer(f"{many(len(lines), 'step')}; the lines of the step at {step.seconds:.2f} s.", data)
 
 
 def _simulate(

@@ -61,8 +61,10 @@ class Library:
             )
         there = [path for path in inside if path.exists()]
         if not there:
-            near = ", ".join(self.names()[:5]) or "none"
-            raise AnswerError(f"recording: found no {name[:200]!r}; there are {near}")
+            names = self.names()
+            known = ", ".join(names[:5]) or "none"
+            more = f" and {len(names) - 5} more, listed by `recordings`" if len(names) > 5 else ""
+            raise AnswerError(f"recording: found no {name[:200]!r}; there are {known}{more}")
         only = fleet.the_only([there[0]])
         if only is None or not self._allows(Path(os.path.realpath(only))):
             raise AnswerError(f"recording: {name[:200]!r} is a folder of several recordings; name one of them")

@@ -148,8 +148,12 @@ class LiveTools:
         self._connection.await_topics([topic])
         names = [one.name for one in self._feed.topics]
         if self._connection.is_listed and topic not in names:
-            near = ", ".join(filter(is_name, get_close_matches(topic, names) or names[:8])) or "none"
-            raise AnswerError(f"topic: the robot has no topic {topic[:120]!r} now; there are {near}")
+            readable = [name for name in names if is_name(name)]
+            known = ", ".join(readable[:8]) or "none"
+            more = f" and {len(readable) - 8} more" if len(readable) > 8 else ""
+            near = get_close_matches(topic, readable, 1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise AnswerError(f"topic: the robot has no topic {topic[:120]!r} now; there are {known}{more}{hint}")
         newest = _Newest(self._clock.now, self._notify)
         mine = newest, self._connection.attach(topic, newest.take)
         with self._lock:

@@ -25,6 +25,7 @@ from ..recordings.search import conditions
 from ..recordings.search.base import Condition
 from ..recordings.search.comparison import compared
 from ..recordings.topics import Topic, UnknownTopicError, check_known, likeliest
+from ..runtime.text import many
 from ..samples import Scan
 from ..samples.distances import ray_distances
 from ..samples.sector import ALL_ROUND, to_sector
@@ -67,7 +68,9 @@ class RecordingTools:
                 "topics": cut(topics, MAX_TOPICS),
                 "problems": _problems(opened.problems),
             }
-            return ToolAnswer(f"{opened.duration:.1f} s, {len(topics)} topics, {len(opened.problems)} problems.", data)
+            return ToolAnswer(
+                f"{opened.duration:.1f} s, {many(len(topics), 'topic')}, {many(len(opened.problems), 'problem')}.", data
+            )
 
     def doctor(self, recording: str) -> ToolAnswer:
         """Check a recording, and return its problems with their remedies."""
@@ -79,7 +82,7 @@ class RecordingTools:
                 for one in report.topics
             ]
             data = {"problems": cut(problems, MAX_PROBLEMS), "topics": cut(topics, MAX_TOPICS)}
-            return ToolAnswer(f"{len(problems)} problems; the texts may quote names from the recording.", data)
+            return ToolAnswer(f"{many(len(problems), 'problem')}; the texts may quote names from the recording.", data)
 
     def find(self, recording: str, **asked: Any) -> ToolAnswer:
         """Return the spans in which conditions held."""
@@ -101,7 +104,7 @@ class RecordingTools:
                 "searched_all": spans.is_complete,
                 "problems": _problems(spans.problems),
             }
-            return ToolAnswer(f"{len(found)} spans, {spans.seconds:.2f} s in all.", data)
+            return ToolAnswer(f"{many(len(found), 'span')}, {spans.seconds:.2f} s in all.", data)
 
     def at(self, recording: str, topic: str, at: float) -> ToolAnswer:
         """Return the last sample or message of a topic up to a time."""

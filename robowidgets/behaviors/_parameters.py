@@ -30,6 +30,12 @@ def parameters_of(function: Callable[..., Any], name: str, topics: Mapping[str, 
     """
     if not callable(function) or isinstance(function, type):
         raise TypeError(f"program: expected a function that returns a Drive, got {function!r}")
+    if inspect.iscoroutinefunction(function) or inspect.isgeneratorfunction(function):
+        kind = "await" if inspect.iscoroutinefunction(function) else "yield"
+        raise TypeError(
+            f"program: expected a plain function that returns a Drive at each step; {name}() may {kind}: "
+            "let a step return at once, and keep what it has to remember in state"
+        )
     add_installed()
     samples = [kind.parameter for kind in KINDS.values()]
     given = (*samples, *GIVEN, *ODOMETRY)

@@ -26,7 +26,8 @@ class ProgramView(RobotWidget[S]):
     def __init__(self, robot: Any, **kwargs: Any) -> None:
         programs = getattr(robot, "programs", None)
         if not isinstance(programs, Programs):
-            raise TypeError(f"{type(self).__name__}(): expected a feed, got {robot!r}")
+            got = repr(robot).splitlines()[0]
+            raise TypeError(f"{type(self).__name__}(): expected a feed, such as feeds.simulator(), got {got}")
         self._programs = programs
         self._robot = robot.connection.page_name
         super().__init__(**kwargs)

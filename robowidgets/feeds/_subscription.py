@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import update_wrapper
 from typing import Any, NamedTuple, TypeGuard
 
@@ -92,12 +94,32 @@ def _target_of(topic: str, given: Any) -> Target | Callable[[Any], object]:
             return _of_widget(topic, update, given)
     elif callable(given) and not isinstance(given, type):
         owner = getattr(given, "__self__", None)
-        return _of_widget(topic, given, owner) if _is_widget(owner) else given
+        if _is_widget(owner):
+            return _of_widget(topic, given, owner)
+        function: Callable[..., object] = given
+        _check_arguments(function)
+        return function
     hint = f"; make one of it: {given.__name__}()" if isinstance(given, type) else ""
     if isinstance(given, DriveWidget):
         hint = "; a pad that drives is connected to a feed: pad.connect(feed)"
     raise TypeError(
         f"expected a widget, a method of one like speed.command, or a function of a message; got {given!r}{hint}"
+    )
+
+
+def _check_arguments(function: Callable[..., object]) -> None:
+    """Raise TypeError if a function can be called neither with a message nor with a message and its time."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):  # some functions in C, such as `print`, have no signature
+        return
+    for given in ((None,), (None, 0)):
+        with suppress(TypeError):
+            signature.bind(*given)
+            return
+    name = getattr(function, "__name__", repr(function))
+    raise TypeError(
+        f"expected a function of a message, or of a message and the time at which it came; got {name}{signature}"
     )
 
 

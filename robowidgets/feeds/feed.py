@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from ..behaviors.drive import Drive
 from ..behaviors.variables import Variables
 from ..driving.command_watchdog import Velocity
 from ..notebook.cells import CellNote, name_in_cells
@@ -353,6 +354,10 @@ class Feed:
             FeedError: the robot cannot be reached, driven, or driven sideways; a hand holds a pad; stop is latched; or
                 the feed is closed. Nothing is sent then.
         """
+        if isinstance(linear, Drive):
+            raise TypeError(
+                f"drive(): expected numbers, as in feed.drive(0.2, 0.5); got {linear}, as a program returns it"
+            )
         self.driver.drive(Velocity(linear, angular, lateral))
         self._drive_note.print(
             lambda: (
@@ -420,6 +425,12 @@ class Feed:
             >>> avoid.mode
             'ended'
         """
+        for name, topic in topics.items():
+            if not isinstance(topic, str):
+                raise TypeError(
+                    f"program: {name}={topic!r}: expected the name of a topic as text for the parameter {name!r}; "
+                    "the other arguments are rate= and on="
+                )
         self.connection.check_open(*topics.values(), *(() if on is None else (on,)))
         if function is not None:
             return self._install(function, rate, on, topics)

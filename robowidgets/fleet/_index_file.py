@@ -114,6 +114,13 @@ class IndexFile:
         return self._of_drives("problem")
 
     @cached_property
+    def missing_fields(self) -> list[str]:
+        """The fields without a value, for example because of a wrong name."""
+        field = library("pyarrow.dataset", "drives").field
+        found = {one: self.dataset.head(1, columns=[one], filter=field(one).is_valid()) for one in self.fields}
+        return [one for one, values in found.items() if not len(values)]
+
+    @cached_property
     def has_state(self) -> NDArray[np.bool_]:
         """True for each recording that has a state, found without the texts of the states, which are long."""
         dataset = library("pyarrow.dataset", "drives")

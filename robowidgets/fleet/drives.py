@@ -64,6 +64,8 @@ class Drives(HasTable):
     """
 
     def __init__(self, path: PathLike) -> None:
+        if not isinstance(path, (str, os.PathLike)):
+            raise TypeError(f"drives(): expected the path of an index, got {path!r}")
         self.path = Path(os.fsdecode(path)).expanduser().absolute()
         self.index_file = IndexFile(self.path)
         """Its drives as arrays."""
@@ -284,7 +286,11 @@ class Drives(HasTable):
 
     def _table(self) -> Table:
         head = f"{self.path.name}: {many(len(self), 'recording')}, {many(self.dataset.count_rows(), 'row')}"
-        return Table(head, (), (), problems=list(not_read(self.unread)))
+        missing = [
+            f"no recording has {field}; robowidgets.open(...).fields(topic) shows the fields of a topic"
+            for field in self.index_file.missing_fields
+        ]
+        return Table(head, (), (), problems=[*not_read(self.unread), *missing])
 
 
 def drives(path: PathLike) -> Drives:
@@ -358,6 +364,8 @@ def index(
     parquet = library("pyarrow.parquet", "index")
     target = checked_output("index", output, (".parquet",))
     names = (topics,) if isinstance(topics, str) else tuple(topics)
+    if not isinstance(fields, (str, Iterable)):
+        raise TypeError(f"fields: expected topics with fields, such as '/battery.percentage', got {fields!r}")
     columns = tuple(
         dict.fromkeys(conditions.field(name).name for name in ((fields,) if isinstance(fields, str) else fields))
     )

@@ -41,7 +41,10 @@ def places_of(paths: Iterable[PathLike | NamedPath]) -> list[NamedPath]:
             found.setdefault(path.path, path)
             continue
         if not isinstance(path, (str, os.PathLike)):
-            raise TypeError(f"expected the path of a recording, a folder or a pattern, got {path!r}")
+            hint = "; give each path as an argument of its own: *paths" if isinstance(path, (list, tuple)) else ""
+            raise TypeError(f"expected the path of a recording, a folder or a pattern, got {path!r}{hint}")
+        if not os.fspath(path):
+            raise ValueError('expected files, folders or patterns of recordings, got an empty text; "." is this folder')
         for place in named_places(os.fspath(path)):
             found.setdefault(_real(place.path), place)
     if not found:

@@ -90,7 +90,9 @@ def _origin(given: float, scan: Scan, sector: SectorLike, hint: str) -> tuple[st
         return "", say("inf means that nothing is in range")
     found = np.flatnonzero(np.abs(scan.ranges - np.float32(given)) <= _SAME_M)
     if not found.size:
-        return say(". No ray has the range {given:.4g}", given=given), say("Is it computed from the scan?")
+        is_mm = (np.abs(scan.ranges - np.float32(given / 1000)) <= _SAME_M).any()
+        asked = say("Is it in millimetres? The answer is in metres") if is_mm else say("Is it computed from the scan?")
+        return say(". No ray has the range {given:.4g}", given=given), asked
     inside = np.intersect1d(found, scan.indices(sector))
     index = int(inside[0] if inside.size else found[0])
     angle = degrees(scan[index].angle)

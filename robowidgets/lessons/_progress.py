@@ -221,9 +221,11 @@ def report(file: str | os.PathLike[str]) -> str:
         A line with the number of done tasks.
 
     Raises:
-        ValueError: the name does not end with ``.json``.
+        TypeError: it is not a name. ValueError: the name does not end with ``.json``.
         FileExistsError: a file with this name exists and is not a report.
     """
+    if not isinstance(file, (str, os.PathLike)):
+        raise TypeError(f"report: expected a file name with your name, such as 'ada.json', got {file!r}")
     path = Path(file)
     if path.suffix != ".json" or path.name == FILE:
         raise ValueError(f"report: expected a file name with your name, such as 'ada.json', got {str(file)!r}")

@@ -58,7 +58,7 @@ def no_such_field(leaves: Sequence[Leaf], name: str) -> str:
     last = name.rpartition(".")[2]
     alike = [other for other in every if other.rpartition(".")[2] == last]
     near = difflib.get_close_matches(name[:100], every, _NEAREST) or alike[:_NEAREST]
-    hint = f"; did you mean {' or '.join(map(repr, near))}?" if near else ""
+    hint = f"; did you mean {' or '.join(map(repr, near))}?" if near else "."
     return f"no field {name[:100]!r}{hint} Its fields are {tree(leaves) or '(none)'}"
 
 

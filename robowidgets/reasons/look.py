@@ -331,9 +331,18 @@ class Reasons:
 
         None and NaN mean unknown. A result is unknown too if all compared distances are, or all numbers if it compared
         no distance: a comparison with NaN is False, but that means neither False nor True.
+
+        Raises:
+            TypeError: the result is a number with a fraction, such as a distance, or text. It was not compared.
         """
-        if result is None or (isinstance(result, (float, np.floating)) and isnan(result)):
+        if isinstance(result, (float, np.floating)):
+            if isnan(result):
+                return None
+            raise TypeError(f"expected True, False or None, got {result:g}: compare it, as in ... < 0.3")
+        if result is None:
             return None
+        if isinstance(result, str):
+            raise TypeError(f"expected True, False or None, got {result!r:.80}")
         if _has_nan(self._notes):  # else all that it compared is known
             compared = self._read.distances or self._read.comparisons
             if compared and not any(comparison.is_known for comparison in compared):

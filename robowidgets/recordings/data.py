@@ -82,6 +82,8 @@ class RecordingData(HasTable):
     def __init__(self, path: str | os.PathLike[str]) -> None:
         if not isinstance(path, (str, bytes, os.PathLike)):
             raise TypeError(f"path: expected the path of a recording, as text or as a pathlib.Path, got {path!r}")
+        if not os.fspath(path):
+            raise RecordingError('path: expected the path of a recording, got an empty text; "." is this folder')
         add_installed()
         if is_url(path):
             self._file, self._source = opened(path)
@@ -574,6 +576,10 @@ class RecordingData(HasTable):
                 be written.
         """
         span = labelled_span(name, start, end)
+        if span.start > self.duration:
+            raise ValueError(
+                f"label: expected a start within the {self.duration:.2f} s of the recording, in seconds, got {start!r}"
+            )
         with self._writing_labels("saved") as file:
             file.add(self.path, self._source, span)
         return with_clock(span, self.start_ns or 0)

@@ -54,7 +54,7 @@ class Label(NamedTuple):
 def labelled_span(name: Any, start: Any, end: Any) -> LabelledSpan:
     """Return a named span; raise TypeError or ValueError if an argument is wrong."""
     named = to_name(name)
-    first, last = time_span("label", (start, end))
+    first, last = time_span("label", (start, end), optional=False)
     if last > LONGEST:
         raise ValueError(f"label: expected an end of at most {LONGEST:g} s, got {end!r}")
     return LabelledSpan(named, first, last)

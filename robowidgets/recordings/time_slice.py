@@ -49,8 +49,6 @@ class TimeSlice:
         if isinstance(which, slice) and which.step is None:
             self.start, self.end = which.start, which.stop
             span_ns(recording.start_ns, self.start, self.end)  # raises
-            if self.start is not None and self.end is not None and self.start > self.end:
-                raise ValueError(f"recording[{self.start}:{self.end}]: expected a start before the end, in seconds")
             return
         if isinstance(which, Span):
             self.start, end = which.start, max(which.end, which.start + _MOMENT)

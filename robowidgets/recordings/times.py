@@ -26,9 +26,15 @@ def to_ns(start_ns: int | None, name: str, seconds: Any) -> int:
 
 
 def span_ns(start_ns: int | None, start: Any, end: Any) -> tuple[int | None, int | None]:
-    """Return the clock times of a start and an end in seconds from the start, as in `to_ns`; None stays None."""
+    """Return the clock times of a start and an end in seconds from the start, as in `to_ns`; None stays None.
+
+    Raises:
+        TypeError, ValueError: one of them is not a number of seconds, or the end lies before the start.
+    """
     first = None if start is None else to_ns(start_ns, "start", start)
     last = None if end is None else to_ns(start_ns, "end", end)
+    if first is not None and last is not None and last < first:
+        raise ValueError(f"end: expected seconds from the start of the recording, {start:g} or more, got {end:g}")
     return first, last
 
 

@@ -18,6 +18,7 @@ _FORMATS = {
     b"7z\xbc\xaf\x27\x1c": "a 7z archive; unpack it first",
     b"PK\x03\x04": "a zip archive; unpack it first",
     b"\x89HDF": "an HDF5 file",
+    b"PAR1": "a Parquet file; robowidgets.drives() opens an index of drives",
     b"version https://git-lfs": "a pointer of Git LFS, not the file; `git lfs pull` in the checkout fetches it",
 }
 _BY_GIT = "whose line ends git has changed for good: copy the original again, with `*.{0} binary` in .gitattributes"

@@ -7,7 +7,7 @@ from numbers import Real
 from typing import Any
 
 
-def time_span(name: str, value: Any, *, rays: bool = False) -> tuple[Any, ...]:
+def time_span(name: str, value: Any, *, rays: bool = False, optional: bool = True) -> tuple[Any, ...]:
     """Return (start, end) in seconds, 0 <= start < end, also from a span of `Recording.find`.
 
     Args:
@@ -15,11 +15,12 @@ def time_span(name: str, value: Any, *, rays: bool = False) -> tuple[Any, ...]:
         value: two numbers, or four with rays.
         rays: True if (start, end, first, stop) is valid too, with rays from index ``first`` up to, but not including,
             ``stop``.
+        optional: True if the text of an error names None as a value.
 
     Raises:
         ValueError: the value is not a span.
     """
-    expected = "expected None or (start, end) in seconds, 0 <= start < end"
+    expected = f"expected {'None or ' if optional else ''}(start, end) in seconds, 0 <= start < end"
     if rays:
         expected += ", with rays (start, end, first, stop)"
     parts = value[:2] if isinstance(value, tuple) and hasattr(value, "start_ns") else value

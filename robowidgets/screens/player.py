@@ -41,6 +41,8 @@ from ..recordings import RecordingData
 from ..recordings.data import NO_SENSOR
 from ..recordings.labels import SHORTEST
 from ..recordings.odometry import places_of
+from ..recordings.search.lines import check_function
+from ..recordings.search.spans import Spans
 from ..recordings.times import has_date
 from ..recordings.topics import UnknownTopicError, shown, wanted
 from ..repair import RecordingError
@@ -138,6 +140,8 @@ class Player(ScreenWidget):
         self._silences: dict[WidgetChoice, float] = {}
         asked = list(topics) if arrangement is None else [*topics, *checked_arrangement(arrangement)]
         _check(recording, asked)
+        if lines is not None and not isinstance(lines, Spans):
+            check_function(lines)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
         self.on_show = TopicSelection(asked)
         for player in earlier:

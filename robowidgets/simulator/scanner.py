@@ -97,7 +97,9 @@ class Scanner:
         field_of_view = finite("field_of_view", to_radians("field_of_view", self.field_of_view), "radians")
         object.__setattr__(self, "field_of_view", field_of_view)
         if not 0 <= field_of_view <= 2 * pi:
-            raise ValueError(f"field_of_view: expected 0 to 2 pi radians, got {field_of_view!r}")
+            raise ValueError(
+                f'field_of_view: expected 0 to 2 pi radians, got {field_of_view!r}; degrees are written as "270deg"'
+            )
         if self.ray_count > 1 and self.field_of_view == 0:
             raise ValueError(f"field_of_view: expected radians above 0 for {self.ray_count} rays, got 0")
         if self.first_angle is not None:

@@ -110,9 +110,12 @@ class Guarding:
             self._close(*parts)
 
     def look(self) -> float:
-        """Send zero after a standstill of this process or the kernel. Return the seconds until the next check."""
+        """Send zero after a standstill of this process or the kernel. Return the seconds until the next check.
+
+        A kernel sends signs of life only while it drives.
+        """
         self._find_standstill()
-        if self._silent_since is not None or not any(feed.moves for feed in self._all):
+        if self._silent_since is not None or not any(feed.is_driven for feed in self._all):
             return ALIVE
         left = self._heard_at + SILENCE - self._clock.now()
         if left > 0:
@@ -279,7 +282,7 @@ class _Feed:
     """The speeds of one feed of the kernel: a watchdog, and the publisher that it uses."""
 
     def __init__(self, number: int, guarding: Guarding, tell: Tell, clock: Clock) -> None:
-        self._number, self._tell = number, tell
+        self._number, self._tell, self._clock = number, tell, clock
         self._topic = ""
         self._adverts: dict[str, Sequence[Advert]] = {}
         self._asked: list[tuple[int, Request]] = []
@@ -293,6 +296,11 @@ class _Feed:
     def moves(self) -> bool:
         """True while a speed other than zero was sent, or may have been, without a zero since."""
         return self.watchdog.owes_zero
+
+    @property
+    def is_driven(self) -> bool:
+        """True while a speed is valid. A zero that could not be sent is sent again without the kernel."""
+        return self.moves and self.watchdog.expires > self._clock.now()
 
     def drive(self, number: int, topic: str, adverts: Sequence[Advert], velocity: Velocity, hold: float) -> None:
         """Send a speed, and report when it is done."""

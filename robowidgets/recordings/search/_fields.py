@@ -66,8 +66,15 @@ class Field:
         return self._compared("≠", value)
 
     def between(self, least: float, most: float) -> Condition:
-        """Return the condition that the field is from one number to another, both included."""
-        return (self >= least) & (self <= most)
+        """Return the condition that the field is from one number to another, both included.
+
+        Raises:
+            TypeError: one of them is not a number. ValueError: the first is greater than the second.
+        """
+        between = (self >= least) & (self <= most)
+        if least > most:
+            raise ValueError(f"between: expected the lower limit first, got {least!r} and {most!r}")
+        return between
 
     def __abs__(self) -> Field:
         return Field(self.name, is_size=True)

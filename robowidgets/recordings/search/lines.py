@@ -293,6 +293,9 @@ def decisions(
         rate: steps a second of functions that are stepped through time.
         topics: the topics that a function of one moment may read, or None for all that a widget shows.
 
+    Raises:
+        TypeError: a version is neither a program nor a function, or the recording is not a recording.
+
     Examples:
         >>> import robowidgets
         >>> recording = robowidgets.open(robowidgets.SAMPLE)
@@ -300,6 +303,11 @@ def decisions(
         >>> len(robowidgets.decisions(near(0.5), near(0.5), recording))
         0
     """
+    if not hasattr(recording, "start_ns"):
+        raise TypeError(
+            "decisions(): expected the old version, the new one, and a recording, as from robowidgets.open(path), "
+            f"got {recording!r} as the recording"
+        )
     first, second = StepMaker(recording, old, rate, topics), StepMaker(recording, new, rate, topics)
     start_ns = recording.start_ns or 0
     is_drive = False
@@ -395,6 +403,7 @@ class StepMaker:
         topics: Any,
         span: tuple[float, float] | None = None,
     ) -> None:
+        check_function(function)
         self._recording, self._function, self._topics = recording, function, topics
         self._watch = LineWatch()
         """Has the function in its rewritten form, for single steps."""
@@ -550,6 +559,12 @@ def _arguments(function: Any, given: dict[str, Any], instant: Instant) -> tuple[
         return function, given
     first = next(iter(inspect.signature(function).parameters))
     return function, {first: instant}
+
+
+def check_function(function: Any) -> None:
+    """Raise TypeError for something that has no lines, because it is neither a function nor a program."""
+    if not callable(function):
+        raise TypeError(f"lines: expected a program, or a function of samples or of one moment, got {function!r}")
 
 
 def _is_program(function: Any) -> bool:

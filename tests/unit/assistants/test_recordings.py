@@ -158,6 +158,9 @@ def test_paths_outside_of_the_folders_are_refused(tmp_path: Path, server: Any) -
                 "file:///etc/passwd", "s3://bucket/a.mcap", "a.mcap/../../private/a.mcap"):  # fmt: skip
         assert "is outside of the folders that this server may read" in refusal(made, "info", recording=one), one
     assert refusal(made, "info", recording="b.mcap").startswith("recording: found no 'b.mcap'; there are a.mcap")
+    for number in range(7):
+        shutil.copy(robowidgets.SAMPLE, inside / f"a{number}.mcap")
+    assert refusal(made, "info", recording="b.mcap").endswith("and 4 more, listed by `recordings`")
     made.close()
 
 

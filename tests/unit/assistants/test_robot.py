@@ -283,7 +283,7 @@ def test_live_answers_have_the_age_of_the_sample(serve: Serve) -> None:
     assert [ray["index"] for ray in ask(server, "robot_nearest", count=2)["rays"]] == [1, 0]
     assert result(server, "robot_picture", topic="/scan").content[1].mime_type == "image/png"
     assert "did you" not in refusal(server, "robot_at", topic="/none")
-    assert refusal(server, "robot_at", topic="/scn").endswith("there are /scan")
+    assert refusal(server, "robot_at", topic="/scn").endswith("there are /scan, /odom; did you mean /scan?")
 
 
 def test_a_sample_of_a_topic_that_fell_silent_is_stale(serve: Serve, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -538,6 +538,10 @@ def test_a_slider_knows_its_value_in_the_version_before(robot: Feed) -> None:
     assert (before(), variables.near) == (0.9, 1.2)
 
 
+async def _waits() -> Drive:
+    return Drive()
+
+
 @pytest.mark.parametrize(
     ("define", "error", "words"),
     [
@@ -547,12 +551,26 @@ def test_a_slider_knows_its_value_in_the_version_before(robot: Feed) -> None:
         (lambda robot: robot.program(lambda: None, rate=0), ValueError, "rate: expected steps a second, above 0"),
         (lambda robot: robot.program(lambda: None, rate=1, on="/scan"), TypeError, "got both"),
         (lambda robot: robot.program(lambda: None, imu="/imu"), TypeError, "no parameter 'imu' for it"),
+        (
+            lambda robot: robot.program(lambda: None, rtae=10),
+            TypeError,
+            "rtae=10: .* the other arguments are rate= and on=",
+        ),
+        (lambda robot: robot.program(_waits), TypeError, r"_waits\(\) may await: let a step return at once"),
+        (lambda robot: robot.program(lambda: (yield Drive())), TypeError, r"<lambda>\(\) may yield: let a step return"),
     ],
 )
 def test_a_program_that_can_never_run_is_refused(robot: Feed, define: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         define(robot)
     assert robot.programs.current is None
+
+
+def test_a_topic_of_another_kind_is_not_a_scan(robot: Feed, script: Scripted) -> None:
+    program = robot.program(lambda scan: Drive(scan.distance()), scan="/odom")
+    script.listener.on_message("/odom", odometry(0.0, 0.0, 0.0))
+    wait_for(lambda: "scan='/odom': expected a topic of laser scans, got one of speeds" in repr(program), "it says so")
+    assert program.error == ""
 
 
 def test_of_several_scanners_one_must_be_named(script: Scripted) -> None:

@@ -76,8 +76,11 @@ class OldFoxglove(Server):
         self.channels = channels
         self.info = {"op": "serverInfo", "name": "old", "capabilities": [], **info}
         self.subscribed: dict[int, int] = {}
+        self.pings: list[bytes] = []
+        """The pings that it has answered."""
 
     def on_open(self, client: WebSocketHandler) -> None:
+        client.on_ping = self.pings.append  # type: ignore[method-assign]
         self.tell(client, self.info)
         if self.channels:
             self.tell(client, {"op": "advertise", "channels": self.channels})

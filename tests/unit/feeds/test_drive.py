@@ -674,6 +674,10 @@ def test_words_for_what_cannot_be_driven(driven: Driven) -> None:
             feed.drive(bad)
     with pytest.raises(TypeError, match="angular"):
         feed.drive(0.1, "left")  # type: ignore[arg-type]
+    with pytest.raises(
+        TypeError, match=r"expected numbers, as in feed.drive\(0\.2, 0\.5\); got Drive\(linear=0\.1, ang"
+    ):
+        feed.drive(Drive(0.1))  # type: ignore[arg-type]
     script.listener.on_topics([CMD_VEL])
     script.broken = "the script is read only"
     with pytest.raises(FeedError, match="the script is read only"):

@@ -278,6 +278,9 @@ def test_words_for_what_cannot_be_connected(opened: Opened) -> None:
         TypeError, match=r"got <.*DriveWidget.*>; a pad that drives is connected to a feed: pad.connect"
     ):
         feed.connect("/cmd_vel", DriveWidget())
+    for wrong in (lambda: None, lambda a, b, c: (a, b, c)):
+        with pytest.raises(TypeError, match=r"a message and the time at which it came; got <lambda>\("):
+            feed.connect("/scan", wrong)
     with pytest.raises(TypeError, match=r"connect\('/scan'\) needs a widget, or a function of a sample"):
         feed.connect("/scan")
     with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan'\]"):

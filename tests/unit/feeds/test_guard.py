@@ -150,6 +150,23 @@ def test_a_robot_at_rest_needs_no_sign_of_life(guarded: Guarded) -> None:
     assert not [told for told in guarded.told if told[0] == "stopped"]
 
 
+def test_a_zero_that_cannot_be_sent_needs_no_sign_of_life_and_the_robot_can_be_driven_once_it_is_there(
+    guarded: Guarded,
+) -> None:
+    guarded.robot.broken = "the robot is off"
+    assert guarded.drive()[3:5] == ("FeedError", "the robot is off")
+    guarded.pass_time(10.0)
+    guarded.guarding.take("zero", [1, 7, "/cmd_vel", TOPIC])
+    for _ in range(3):
+        guarded.pass_time(10.0)
+        guarded.guarding.take("beat", [])
+    assert not [told for told in guarded.told if told[0] == "stopped"]
+    guarded.robot.broken = ""
+    guarded.pass_time(10.0)
+    assert guarded.drive()[3:5] == ("", "")
+    assert guarded.speeds == [0.0, 0.3]
+
+
 @pytest.mark.parametrize("how", ["pause", "sleep"])
 def test_after_a_standstill_of_its_own_a_guard_sends_zero_and_refuses_what_was_requested_before(
     guarded: Guarded, how: str

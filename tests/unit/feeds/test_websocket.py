@@ -154,7 +154,8 @@ def test_a_robot_that_falls_silent_is_given_up_after_ten_seconds(ears: Ears, clo
     with OldFoxglove([channel(1)]) as server:
         middleware = Foxglove(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: ears.topics and not _unanswered(middleware), "it is connected, and answered")
+        # The topics come before the first ping.
+        wait_for(lambda: ears.topics and server.pings and not _unanswered(middleware), "it is connected, and answered")
         go_on = server.stall()
         clock.advance(1.0)  # until it is asked again
         clock.advance(10.0 - TICK)
@@ -168,22 +169,15 @@ def test_a_robot_that_falls_silent_is_given_up_after_ten_seconds(ears: Ears, clo
 
 
 def test_a_robot_that_answers_but_says_nothing_is_not_given_up(ears: Ears, clock: ManualClock) -> None:
-    pings: list[bytes] = []
-
-    class Counting(OldFoxglove):
-        def on_open(self, client: Any) -> None:
-            client.on_ping = pings.append
-            super().on_open(client)
-
-    with Counting([]) as server:
+    with OldFoxglove([]) as server:
         middleware = Foxglove(server.address, clock)
         middleware.open(ears)
         for count in range(1, 22):
             # The server counts a ping after it has answered it.
-            wait_for(lambda: len(pings) >= count and not _unanswered(middleware), "it answered")  # noqa: B023
+            wait_for(lambda: len(server.pings) >= count and not _unanswered(middleware), "it answered")  # noqa: B023
             clock.advance(1.0)
         wait_for(lambda: not _unanswered(middleware), "it answered")
-        assert len(pings) <= 22, "one a second"
+        assert len(server.pings) <= 22, "one a second"
         close(middleware, clock)
     assert ears.lost == []
 
@@ -194,7 +188,8 @@ def taking(ears: Ears, clock: ManualClock) -> Iterator[tuple[OldFoxglove, Foxglo
     with OldFoxglove([channel(1)], **TAKES) as server:
         middleware = Foxglove(server.address, clock)
         middleware.open(ears)
-        wait_for(lambda: ears.topics and not _unanswered(middleware), "it is connected, and answered")
+        # The topics come before the first ping.
+        wait_for(lambda: ears.topics and server.pings and not _unanswered(middleware), "it is connected, and answered")
         yield server, middleware
         close(middleware, clock)
 

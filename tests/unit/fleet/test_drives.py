@@ -317,6 +317,18 @@ def test_what_is_not_an_index_is_refused_with_what_writes_one(tmp_path: Path) ->
             drives(tmp_path / name)
     with pytest.raises(ValueError, match=r"expected a name that ends in \.parquet"):
         index(robowidgets.SAMPLE, output=tmp_path / "drives.csv")
+    with pytest.raises(TypeError, match=r"fields: expected topics with fields, .* got 3"):
+        index(robowidgets.SAMPLE, output=tmp_path / "drives.parquet", fields=3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"drives\(\): expected the path of an index, got None"):
+        drives(None)  # type: ignore[arg-type]
+
+
+def test_a_field_that_no_recording_has_is_reported(output: Path) -> None:
+    names = ["/odom.twst.linear.x", "/odom.twist.twist.linear.x"]
+    made = index(robowidgets.SAMPLE, output=output, fields=names, executor=Here())
+    assert [line for line in repr(made).splitlines() if "no recording has" in line] == [
+        "! no recording has /odom.twst.linear.x; robowidgets.open(...).fields(topic) shows the fields of a topic"
+    ]
 
 
 def test_the_command_writes_an_index_and_searches_by_it(

@@ -398,6 +398,16 @@ def test_an_object_without_submit_is_not_an_executor(runs: Path, executor: Any) 
         find(NEAR, runs, executor=executor)
 
 
+def test_a_list_and_an_empty_text_are_no_paths(monkeypatch: pytest.MonkeyPatch, runs: Path) -> None:
+    monkeypatch.chdir(runs)
+    with pytest.raises(ValueError, match=r'got an empty text; "\." is this folder'):
+        find(NEAR, "")
+    with pytest.raises(robowidgets.RecordingError, match=r'got an empty text; "\." is this folder'):
+        robowidgets.open("")
+    with pytest.raises(TypeError, match=r"got \['a.mcap'\]; give each path as an argument of its own: \*paths"):
+        find(NEAR, ["a.mcap"])  # type: ignore[arg-type]
+
+
 def test_no_condition_is_refused_before_anything_is_read(runs: Path) -> None:
     with pytest.raises(TypeError, match="condition: expected"):
         find("scan < 3", runs)  # type: ignore[arg-type]

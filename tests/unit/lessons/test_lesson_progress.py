@@ -205,6 +205,10 @@ class TestReport:
         with pytest.raises(ReportError, match=re.escape(said)):
             read(folder / "ada.json")
 
+    def test_a_report_needs_a_name(self) -> None:
+        with pytest.raises(TypeError, match=r"report: expected a file name .* 'ada\.json', got None"):
+            lessons.report(None)  # type: ignore[arg-type]
+
 
 class TestSummary:
     def hand_in(self, folder: Path) -> None:

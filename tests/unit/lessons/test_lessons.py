@@ -183,6 +183,11 @@ class TestWrongAnswers:
             ("bumper_reflex", turn_in_degrees, "14.3 turns per second. Is this number in degrees? math.radians(90)"),
             ("bumper_reflex", lambda _touch: (20.0, 0.0), "20 m/s are 72 km/h. Is this number in centimetres?"),
             ("bumper_reflex", lambda _touch: (math.nan, 0.0), "a speed is a finite number"),
+            (
+                "nearest_on_the_left",
+                lambda scan: scan.distance("left") * 1000,
+                "No ray has the range 1985. Is it in millimetres? The answer is in metres",
+            ),
             ("nearest_on_the_left", lambda _scan: 0.0, "No ray has the range 0. Is it computed from the scan?"),
             ("bumper_reflex", lambda _touch: (0.3, 0.0), "back up and turn right"),
             ("bumper_reflex", lambda touch: (-0.3 * any(touch.touched.values()), 0.0), "drive forward"),

@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from robowidgets import LinesWidget
+import robowidgets
+from robowidgets import LinesWidget, ProgramWidget
 from robowidgets.behaviors import Drive
 from robowidgets.feeds import Feed
 from robowidgets.widget.timed_frame import FRAME_HEADER
@@ -134,5 +135,9 @@ def test_without_a_widget_nothing_is_noted_and_with_two_both_get_each_step(robot
 
 
 def test_something_else_than_a_feed_is_refused() -> None:
-    with pytest.raises(TypeError, match=r"LinesWidget\(\): expected a feed, got 3"):
+    with pytest.raises(TypeError, match=r"LinesWidget\(\): expected a feed, such as .*, got 3"):
         LinesWidget(3)
+    with robowidgets.open(robowidgets.SAMPLE) as recording:
+        for widget in (LinesWidget, ProgramWidget):
+            with pytest.raises(TypeError, match=rf"{widget.__name__}\(\): expected a feed, .*, got [^\n]* messages$"):
+                widget(recording)

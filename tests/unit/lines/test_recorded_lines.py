@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import pytest
 
@@ -126,6 +127,16 @@ def test_a_line_without_code_and_a_time_before_the_first_step_are_refused(record
         lines.at(-1)
     with pytest.raises(TypeError):
         lines.at("now")  # type: ignore[arg-type]
+
+
+def test_something_else_than_a_function_or_a_recording_is_refused(recording: Recording) -> None:
+    show = partial(recording.show, lines=3)
+    for call, given in ((recording.lines, None), (recording.lines, "near"), (show, "/scan")):
+        with pytest.raises(TypeError, match=r"lines: expected a program, or a function of .*, got (None|'near'|3)$"):
+            call(given)
+    for given in (None, robowidgets.SAMPLE, near):
+        with pytest.raises(TypeError, match=r"a recording, as from robowidgets.open\(path\), got .* as the recording"):
+            robowidgets.decisions(near, near, given)  # type: ignore[arg-type]
 
 
 def test_a_function_without_a_source_says_so(recording: Recording) -> None:

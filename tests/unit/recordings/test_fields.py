@@ -165,7 +165,7 @@ def test_types_match_the_definition(fields: Fields) -> None:
         ("header.frame_id[0]", "no field 'header.frame_id[0]'"),
         ("header.stamp.nsec", "no field"),
         ("orientation_covariance[9]", "no message has 'orientation_covariance[9]': its arrays are shorter"),
-        ("<script>alert(1)</script>", "no field '<script>alert(1)</script>' Its fields"),
+        ("<script>alert(1)</script>", "no field '<script>alert(1)</script>'. Its fields"),
         ("", "no field ''"),
     ],
 )

@@ -179,6 +179,7 @@ LFS_POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsiz
         ("drive.tar.zst", zstd.compress(tar()), "got a tar archive; unpack it first, with tar -xf"),
         ("drive.gz", gzip.compress(b"It rained.", mtime=0), "drive.gz: expected a ROS bag"),
         ("drive.gz", b"\x1f\x8b\x08nonsense", "got gzip data"),
+        ("drives.parquet", b"PAR1\x15\x04", "got a Parquet file; robowidgets.drives() opens an index of drives"),
         ("drive.bag.gz", gzip.compress(b"#ROSBAG V2.0\n", mtime=0), "got a ROS 1 bag in gzip: unpack it with gunzip"),
         (
             "drive.bag",

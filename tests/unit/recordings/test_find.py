@@ -331,6 +331,16 @@ def test_a_function_that_returns_nan_is_neither_true_nor_false(tmp_path: Path) -
     assert (len(recording.find(unknown)), len(recording.find(~unknown))) == (0, 0)
 
 
+@pytest.mark.parametrize(("result", "got"), [(0.83, "0.83: compare it"), (INF, "inf: compare it"), ("no", "'no'")])
+def test_a_distance_that_was_not_compared_is_not_true(drive: robowidgets.Recording, result: object, got: str) -> None:
+    with pytest.raises(RecordingError, match=rf"failed at 0\.00 s: TypeError: expected True, False or None, got {got}"):
+        drive.find(lambda scan: result if scan else None)
+    if isinstance(result, float):
+        with pytest.raises(RecordingError, match="expected True, False or None"):
+            drive.find(lambda scan: np.float32(result) if scan else None)
+    assert found(drive, lambda scan: 1 if scan else 0) == [(0, 10)], "flags of messages are whole numbers"
+
+
 class TestInterrupts:
     def test_give_what_was_found_until_then(self, drive: robowidgets.Recording) -> None:
         def stopped(moment: Any) -> bool:

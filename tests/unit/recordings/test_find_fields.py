@@ -125,6 +125,8 @@ def test_what_is_not_there_or_does_not_compare_is_an_error_that_says_what_does(
         (lambda: field(X) > None, TypeError, "expected a number, got None"),
         (lambda: field(X) == NAN, ValueError, "NaN, which nothing is equal to"),
         (lambda: field(X) > field("/imu.y"), TypeError, "not to another field"),
+        (lambda: field(X).between(2, 1), ValueError, "between: expected the lower limit first, got 2 and 1"),
+        (lambda: field(X).between(None, 1), TypeError, "expected a number, got None"),
         (lambda: 1 < field(X) < 3, TypeError, "a range is field.between(1, 3)"),
         (lambda: bool(field(X)), TypeError, "compare it, as in field('/imu.linear_acceleration.x') == True"),
     ],

@@ -141,8 +141,10 @@ def test_what_is_not_a_label_is_refused(drive: Path) -> None:
             recording.label(3, 1.0, 2.0)  # type: ignore[arg-type]
         with pytest.raises(ValueError, match="expected a name"):
             recording.label(" ", 1.0, 2.0)
-        with pytest.raises(ValueError, match="label"):
+        with pytest.raises(ValueError, match=r"label: expected \(start, end\) in seconds, 0 <= start < end"):
             recording.label("door", 3.0, 2.0)
+        with pytest.raises(ValueError, match=r"label: expected a start within the 58\.00 s of .*, got 12000"):
+            recording.label("door", 12_000, 14_500)  # milliseconds
         (drive.parent / FILE).mkdir()
         with pytest.raises(RecordingError, match="the label cannot be saved"):
             recording.label("door", 1.0, 2.0)

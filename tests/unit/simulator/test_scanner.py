@@ -92,6 +92,7 @@ def test_the_same_generator_gives_the_same_scan_and_another_one_another():
         ({"ray_count": 3.5}, TypeError, "ray_count: expected a whole number, got 3.5"),
         ({"ray_count": True}, TypeError, "ray_count: expected a whole number, got True"),
         ({"field_of_view": 7.0}, ValueError, "field_of_view: expected 0 to 2 pi radians, got 7.0"),
+        ({"field_of_view": 270}, ValueError, 'got 270.0; degrees are written as "270deg"'),
         ({"field_of_view": 0.0}, ValueError, "field_of_view: expected radians above 0 for 541 rays, got 0"),
         ({"range_min": -1.0}, ValueError, "range_min: expected metres, 0 or more, got -1.0"),
         ({"range_max": 0.05}, ValueError, r"range_max: expected metres above range_min \(0.1\), got 0.05"),

@@ -153,6 +153,13 @@ class TestLamp:
         with pytest.raises(RuntimeError, match="broken: switched off, line"):
             watch.wait()
 
+    def test_of_a_distance_that_is_not_compared_is_off(self, laser: LaserWidget) -> None:
+        page = Page(laser)
+        laser.watch(lambda scan: scan.distance(), name="wall")
+        show(laser, 0.4)
+        wait_for(lambda: lamp(page).get("state") == "off", "it is switched off")
+        assert "expected True, False or None, got 0.4: compare it, as in ... < 0.3" in lamp(page)["text"]
+
     @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
     def test_that_can_be_judged_no_more_holds_no_picture_back(self) -> None:
         class Failing(LaserWidget):
