@@ -52,7 +52,7 @@ export class SimulatorView implements Member {
   readonly #edits: Edits;
   readonly #canvas: Canvas;
   readonly #pose = make("span", "");
-  readonly #pointed = make("span", "rw-drag-hint");
+  readonly #pointed = make("span", "rw-pointed-place");
   readonly #put: HTMLButtonElement;
   readonly #remove: HTMLButtonElement;
   readonly #reset: HTMLButtonElement;

@@ -241,7 +241,7 @@ def test_none_keeps_the_speed_and_zero_follows_the_last_scan(
         wait_for(lambda: len(script.speeds) > 20, "it steps on")
         assert set(script.speeds) == {(0.2, 0.0)}
     wait_for(lambda: script.speeds[-1] == (0.0, 0.0), "no scan comes any more")
-    assert go.waiting == "no scan comes on /scan any more"
+    wait_for(lambda: go.waiting == "no scan comes on /scan any more", "the reason, which follows the zero")
     assert go.mode == "running"
 
 

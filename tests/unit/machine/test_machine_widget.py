@@ -235,7 +235,7 @@ def test_the_page_knows_which_widgets_are_of_the_robot(script: Scripted, robot: 
 
 
 def test_it_takes_a_feed_alone() -> None:
-    with pytest.raises(TypeError, match=r"MachineWidget\(\): expected a feed, got 3"):
+    with pytest.raises(TypeError, match=r"MachineWidget\(\): expected a feed, such as feeds\.simulator\(\), got 3"):
         MachineWidget(3)
 
 

@@ -148,7 +148,7 @@ def test_what_makes_no_sense_changes_nothing(robot: Feed, widget: ProgramWidget,
 
 
 def test_it_takes_a_feed_alone() -> None:
-    with pytest.raises(TypeError, match=r"ProgramWidget\(\): expected a feed, got 3"):
+    with pytest.raises(TypeError, match=r"ProgramWidget\(\): expected a feed, such as feeds\.simulator\(\), got 3"):
         ProgramWidget(3)
 
 
