@@ -731,7 +731,7 @@ def test_a_guard_survives_the_signals_of_a_terminal_and_ends_with_zero_on_reques
 
 @pytest.mark.slow
 def test_a_step_that_held_the_gil_says_that_the_guard_stopped_the_robot_and_so_does_the_feed(
-    robot: Rosbridge, with_guards: ExitStack
+    step_limits: None, robot: Rosbridge, with_guards: ExitStack
 ) -> None:
     feed, _ = opened(with_guards, robot)
 
