@@ -119,6 +119,8 @@ class Prefetcher:
         self._last = floor(duration / SEGMENT)
         self._complain = complain
         self._sent: dict[int, int] = {}
+        self._sending: int | None = None
+        """One of these, until it is sent to its end."""
         self._largest = 0
         self._outdated: set[int] = set()
         self._edition = 0
@@ -154,7 +156,7 @@ class Prefetcher:
             self._pointed = [index, *(other for other in self._pointed if other != index)][:POINTED]
             self._wake()
             if index in self._at_once():
-                self._wait(self._answer, lambda: index in self._sent or self._closed, ANSWER)
+                self._wait(self._answer, lambda: self._has_gone(index) or self._closed, ANSWER)
 
     def start(self) -> None:
         """Send everything again, because the page has nothing, or its frames are out of date."""
@@ -315,13 +317,18 @@ class Prefetcher:
         with self._lock:
             if edition != self._edition or self._closed:
                 return 0
-            self._sent[index] = size
+            self._sent[index], self._sending = size, index
             self._largest = max(self._largest, size)
             dropped = self._dropped()
         self._send({"segment": index, "drop": dropped, "abouts": abouts}, frames)
         with self._lock:
+            self._sending = None
             self._answer.notify_all()
         return size
+
+    def _has_gone(self, index: int) -> bool:
+        """Return True if a segment was sent to its end."""
+        return index in self._sent and index != self._sending
 
     def _dropped(self) -> list[int]:
         """Forget the segments that the page cannot keep, and return them with the out-of-date ones."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -50,8 +51,10 @@ class Page:
 
 
 @contextmanager
-def sending(track: Track, duration: float, clock: Clock = scheduler.clock) -> Iterator[tuple[Prefetcher, Page]]:
-    page = Page()
+def sending(
+    track: Track, duration: float, clock: Clock = scheduler.clock, page: Page | None = None
+) -> Iterator[tuple[Prefetcher, Page]]:
+    page = page or Page()
 
     @contextmanager
     def tracks() -> Iterator[list[Track]]:
@@ -198,6 +201,25 @@ def test_the_moment_under_the_pointer_is_sent_when_its_caller_goes_on(monkeypatc
             prefetcher.point(seconds)
             assert index in page.bytes
         assert not {29_999, 30_001, 39_999, 40_001, 49_999} & page.bytes.keys()
+
+
+def test_a_caller_goes_on_after_the_moment_is_sent_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "ANSWER", 30.0)
+    found: list[bool] = []
+
+    class SlowPage(Page):
+        def take(self, content: dict, buffers: list[bytes]) -> None:
+            if content["segment"] == 0:
+                pointing.start()
+                pointing.join(0.1)  # it would be over
+            super().take(content, buffers)
+
+    page = SlowPage()
+    pointing = threading.Thread(target=lambda: (prefetcher.point(0.5), found.append(0 in page.bytes)))
+    with sending(Track(), 10, page=page) as (prefetcher, _):
+        prefetcher.start()
+        wait_for(lambda: found, "the caller goes on")
+    assert found == [True]
 
 
 def test_playing_comes_before_pointing_and_no_caller_waits_for_pointing(
