@@ -39,6 +39,15 @@ test("Ctrl+Z undoes the changes in a card, the last one first, but not in a fiel
   assert.deepEqual(said, ["back: two", "back: one"]);
 });
 
+test("a change that was refused is left out", () => {
+  const { card, picture } = makeCard();
+  const changes = new Changes(card, new AbortController().signal);
+  for (const words of ["one", "two"]) {
+    keepChange(picture, { words, undo: () => {}, isRefused: () => words === "two" });
+  }
+  assert.deepEqual([changes.undo(), changes.undo()], ["back: one", ""]);
+});
+
 test("the changes in all cards of a screen are undone in their order, in whatever card the key is pressed", () => {
   const screen = document.createElement("div");
   const [one, other] = [makeCard(), makeCard()];

@@ -23,6 +23,15 @@ interface Answer {
   problem?: string;
 }
 
+/** A request that Ctrl+Z may undo. */
+interface Kept {
+  /** The label that the kernel stored; undefined before its answer. */
+  stored?: Mark | null;
+  isRefused: boolean;
+  /** True if it is undone once the kernel has answered. */
+  isUndone: boolean;
+}
+
 const isSame = (a: Asked, b: Asked) => JSON.stringify(a) === JSON.stringify(b);
 
 /** Names of spans that the user gives: a row of them below the slider, and the controls to add and remove them. */
@@ -42,8 +51,7 @@ export class Labels {
   #old: Mark | null = null;
   /** Requests that the kernel has not answered yet. */
   #asked: Asked[] = [];
-  /** The requests among them that undo an earlier one. */
-  readonly #undone = new WeakSet<Asked>();
+  readonly #kept = new WeakMap<Asked, Kept>();
   #isBusy = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #drawn: unknown[] = [];
@@ -57,7 +65,7 @@ export class Labels {
     this.button = makeButton("rw-label", about, () => this.press(), signal);
     this.button.append(makeIcon(TAG));
     const naming = {
-      onName: (name: string) => this.#ask([[...this.#span, name], this.#old]),
+      onName: (name: string) => this.#change([[...this.#span, name], this.#old]),
       onRemove: () => this.#remove(this.#old),
     };
     this.row = new NameRow("name of the span", naming, signal);
@@ -164,13 +172,21 @@ export class Labels {
   /** Its span is then selected, so that naming it again restores it. */
   #remove(label: Mark | null): void {
     if (!label) return;
-    this.#ask([null, label]);
+    this.#change([null, label]);
     setTraits(this.#model, { selection: [label[0], label[1]] });
   }
 
-  #undo([to, from]: Asked): void {
-    const asked: Asked = [from, to];
-    this.#undone.add(asked);
+  /** Asks for a change, and keeps it for Ctrl+Z in its turn, before the kernel has answered. */
+  #change(asked: Asked): void {
+    if (lacksKernel(this.#model)) return;
+    const [to, from] = asked;
+    const kept: Kept = { isRefused: false, isUndone: false };
+    this.#kept.set(asked, kept);
+    const undo = () => {
+      kept.isUndone = true;
+      if (kept.stored !== undefined) this.#ask([from, kept.stored]);
+    };
+    keepChange(this.lane, { words: `label “${(to ?? from)?.[2]}”`, undo, isRefused: () => kept.isRefused });
     this.#ask(asked);
   }
 
@@ -199,8 +215,11 @@ export class Labels {
     const span = to ?? from;
     // Nothing is lost: the typed text stands in the row again.
     if (problem && span && !this.row.isOpen) this.#name([span[0], span[1]], from, problem, (to ?? from)?.[2]);
-    if (!problem && span && !this.#undone.has(asked)) {
-      keepChange(this.lane, { words: `label “${span[2]}”`, undo: () => this.#undo([stored ?? null, from]) });
+    const kept = this.#kept.get(asked);
+    if (kept) {
+      kept.isRefused = Boolean(problem);
+      kept.stored = stored ?? null;
+      if (kept.isUndone && !kept.isRefused) this.#ask([from, kept.stored]);
     }
     this.#redraw();
   }

@@ -4,6 +4,8 @@ import { on } from "./events.ts";
 export interface Change {
   words: string;
   undo(): void;
+  /** Returns true if it was refused, so that nothing is left to undo. */
+  isRefused?(): boolean;
 }
 
 const CHANGED = "rw-changed";
@@ -41,7 +43,8 @@ export class Changes {
 
   /** Undoes the last change, and returns its words; "" without a change. */
   undo(): string {
-    const change = this.#kept.pop();
+    let change = this.#kept.pop();
+    while (change?.isRefused?.()) change = this.#kept.pop();
     change?.undo();
     return change ? `back: ${change.words}` : "";
   }
