@@ -52,6 +52,8 @@ export class Labels {
   /** Requests that the kernel has not answered yet. */
   #asked: Asked[] = [];
   readonly #kept = new WeakMap<Asked, Kept>();
+  /** The labels in the lane, as text. */
+  #shown = new Map<Element, string>();
   #isBusy = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #drawn: unknown[] = [];
@@ -133,7 +135,11 @@ export class Labels {
       place(element, [label[0], label[1]]);
       return element;
     });
+    // A label keeps the focus when it is drawn again.
+    const focused = this.#shown.get(document.activeElement as Element);
     this.lane.replaceChildren(this.#begun, ...elements);
+    this.#shown = new Map(elements.map((element, i) => [element, (shown[i] as Mark).join()]));
+    if (focused) elements[shown.findIndex((label) => label.join() === focused)]?.focus({ preventScroll: true });
   }
 
   #makeLabel(label: Mark, isFixed: boolean): HTMLElement {
