@@ -359,7 +359,9 @@ def test_a_span_gets_a_name_by_keys_or_by_a_click_and_loses_it_and_a_busy_kernel
     lane.last.focus()
     press("Delete")
     expect(lane).to_have_text(["long corridor"])
-    wait_for(lambda: nb.python("len(recording.labels), player.selection") == "(1, (3.0, 4.0))", "the kernel has removed it")
+    wait_for(
+        lambda: nb.python("len(recording.labels), player.selection") == "(1, (3.0, 4.0))", "the kernel has removed it"
+    )
     player.locator(".rw-play").focus()
     press("Control+z")
     expect(lane).to_have_text(["long corridor", "<b>door</b>"])
