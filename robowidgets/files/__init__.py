@@ -102,7 +102,7 @@ def _open_by_rosbags(path: Path) -> _rosbags.RosbagsSource:
 def _open_folder(path: Path) -> Source:
     """Open a rosbag2 folder: the files that its metadata name, else all files."""
     metadata, problems = _metadata(path)
-    named = {PurePath(name).name for name in _NAMED.findall(metadata or "")}
+    named = _names_in(metadata or "")
     files = find_files(path)
     files = [file for file in files if file.name in named] or files
     if not files:
@@ -181,8 +181,12 @@ def _open_chain(files: Sequence[Path]) -> Chain:
 
 def is_described(names: Sequence[str], source: Source, metadata: str) -> bool:
     """Return True if the text of rosbag2 metadata names these files, and agrees with the messages in them."""
-    named = {PurePath(name).name for name in _NAMED.findall(metadata)}
-    return named == {*names} and not _disagreement(metadata, source)
+    return _names_in(metadata) == {*names} and not _disagreement(metadata, source)
+
+
+def _names_in(metadata: str) -> set[str]:
+    """Return the names of the files in the text of rosbag2 metadata."""
+    return {PurePath(name).name for name in _NAMED.findall(metadata)}
 
 
 def _disagreement(metadata: str, source: Source) -> list[str]:

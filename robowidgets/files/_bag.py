@@ -128,7 +128,8 @@ class BagInParts(BagReader):
         if rows is None:
             return None
         numbers = self.index.places[0, rows]
-        first, last = (int(self.index.by_start[np.isin(self.index.by_start, numbers)][i]) for i in (0, -1))
+        first = int(numbers[self.index.starts[numbers].argmin()])
+        last = int(numbers[self.index.ends[numbers].argmax()])
         places = [(int(self.index.offsets[i]), int(self.index.lengths[i])) for i in (first, last)]
         if not all(self.is_near(*place) for place in places):
             return int(self.index.starts[first]), int(self.index.ends[last])

@@ -200,9 +200,8 @@ class _Found(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Its size in bytes, or 0 if the server does not report it."""
-        sizes = [one.size for one in self.objects]
-        return 0 if None in sizes else sum(size or 0 for size in sizes)
+        """The bytes of its files, without those whose server reports no size."""
+        return sum(one.size or 0 for one in self.objects)
 
     @property
     def may_have_index(self) -> bool:
@@ -238,7 +237,7 @@ def _fetch(found: _Found, reason: str = "") -> Fetched:
     copy = find(found.key)
     if copy is None:
         try:
-            copy = make(found.key, sum(one.size or 0 for one in found.objects), write)
+            copy = make(found.key, found.size, write)
         except RecordingError as error:
             message = str(error)
             raise RecordingError(message if message.startswith(url) else f"{url}: {message}") from None
@@ -266,8 +265,8 @@ def _in_parts(found: _Found) -> tuple[Fetched, Source]:
     try:
         with ExitStack() as opened:
             sources = []
-            for number in range(len(found.files)):
-                sources.append(_open_file(found, number))
+            for one in found.files:
+                sources.append(_open_file(found, one))
                 opened.callback(sources[-1].close)
             source = Chain(sources) if found.is_folder else sources[0]
             if found.is_folder and not _is_described(found, source):
@@ -286,12 +285,11 @@ def _in_parts(found: _Found) -> tuple[Fetched, Source]:
     return fetched, FallbackSource(source, repaired)
 
 
-def _open_file(found: _Found, number: int) -> RosbagsSource:
+def _open_file(found: _Found, one: _Object) -> RosbagsSource:
     """Open one of the files of a recording, to read it in parts. Raises as rosbags does."""
     from ._blocks import Parts, RemoteFile, driver_fetch, web_fetch
 
-    system, one = found.system, found.files[number]
-    path = one.path
+    system, path = found.system, one.path
     shown = f"{found.url}/{one.name}" if found.is_folder else found.url
 
     def look() -> _Object:
@@ -312,7 +310,7 @@ def _open_file(found: _Found, number: int) -> RosbagsSource:
             fetch_range = asked(lambda: driver_fetch(system, path, is_same, shown), shown)
         return Parts(system, path, size, fetch_range, shown, len(found.files))
 
-    file = RemoteFile(shown, f"{found.key}-{number}-{_short(one.state)}", open_parts)
+    file = RemoteFile(shown, f"{found.key}-{_short(one.name + one.state)}", open_parts)
     return open_in_parts(file, file.is_near)
 
 
