@@ -1,4 +1,5 @@
 import type { Models, NotebookContext } from "./later/saved_pictures.ts";
+import { STATE, UNSEEN, WIDGET } from "./later/widget_types.ts";
 import type { LATER } from "./later.ts";
 
 /**
@@ -175,10 +176,6 @@ function keepPicture({ model, el, signal }: Given): void {
   signal.addEventListener("abort", () => model.off("change:paused change:playing", onFreeze));
 }
 
-const WIDGET = "application/vnd.jupyter.widget-view+json";
-const STATE = "application/vnd.jupyter.widget-state+json";
-/** The type of the references to widgets that saved_pictures.ts adds to outputs with a picture. */
-const UNSEEN = "application/vnd.robowidgets.view+json";
 const watched = new WeakSet<Notebook>();
 
 /** Shows the widgets whose pictures a saved notebook has, if the kernel still has them. */

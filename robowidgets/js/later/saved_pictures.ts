@@ -1,6 +1,7 @@
 import { make } from "../shared/dom.ts";
 import { paint } from "../shared/painting.ts";
 import { toIndexed, toPng } from "./indexed_png.ts";
+import { UNSEEN, WIDGET } from "./widget_types.ts";
 
 /**
  * The pictures of widgets in the outputs of a notebook, where readers without a kernel find them.
@@ -9,9 +10,6 @@ import { toIndexed, toPng } from "./indexed_png.ts";
  * past the views, into the document that is saved.
  */
 
-const WIDGET = "application/vnd.jupyter.widget-view+json";
-/** The type of a reference to a widget that no host displays. With it, run_once.ts leaves out the other one. */
-const UNSEEN = "application/vnd.robowidgets.view+json";
 const SMALLEST = 0.25;
 /** Types and scales of a picture, the best first. The first that is small enough is kept. */
 const TRIES = [
