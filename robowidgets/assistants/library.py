@@ -12,6 +12,7 @@ from .. import fleet
 from ..fleet.places import places_of
 from ..recording import Recording
 from ..recording import open as open_recording
+from ..runtime.text import listed
 from .answer import AnswerError
 
 MAX_IDLE = 3
@@ -62,9 +63,8 @@ class Library:
         there = [path for path in inside if path.exists()]
         if not there:
             names = self.names()
-            known = ", ".join(names[:5]) or "none"
-            more = f" and {len(names) - 5} more, listed by `recordings`" if len(names) > 5 else ""
-            raise AnswerError(f"recording: found no {name[:200]!r}; there are {known}{more}")
+            all_by = ", listed by `recordings`" if len(names) > 5 else ""
+            raise AnswerError(f"recording: found no {name[:200]!r}; there are {listed(names, 5) or 'none'}{all_by}")
         only = fleet.the_only([there[0]])
         if only is None or not self._allows(Path(os.path.realpath(only))):
             raise AnswerError(f"recording: {name[:200]!r} is a folder of several recordings; name one of them")

@@ -12,6 +12,7 @@ from ..feeds import Feed, FeedTopic
 from ..kinds import KINDS
 from ..laser.row import LASER
 from ..recordings.topics import Topic, likeliest
+from ..runtime.text import listed
 from ..samples import Scan
 from ..samples.staleness import LIVE
 from ..widget.rate import RateMeter
@@ -149,11 +150,10 @@ class LiveTools:
         names = [one.name for one in self._feed.topics]
         if self._connection.is_listed and topic not in names:
             readable = [name for name in names if is_name(name)]
-            known = ", ".join(readable[:8]) or "none"
-            more = f" and {len(readable) - 8} more" if len(readable) > 8 else ""
+            known = listed(readable, 8) or "none"
             near = get_close_matches(topic, readable, 1)
             hint = f"; did you mean {near[0]}?" if near else ""
-            raise AnswerError(f"topic: the robot has no topic {topic[:120]!r} now; there are {known}{more}{hint}")
+            raise AnswerError(f"topic: the robot has no topic {topic[:120]!r} now; there are {known}{hint}")
         newest = _Newest(self._clock.now, self._notify)
         mine = newest, self._connection.attach(topic, newest.take)
         with self._lock:

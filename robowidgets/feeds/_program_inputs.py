@@ -90,9 +90,9 @@ class _Latest:
             times, slept = list(self._times), _CLOCK.slept() - self._slept
         if not times:
             return self._connection.status_of(self.topic) or f"waiting for {self.topic}"
-        wanted = kind_of_parameter(name)
-        if wanted is not None and self._kind is not None and wanted is not self._kind:
-            return f"{name}={self.topic!r}: expected a topic of {wanted.noun}, got one of {self._kind.noun}"
+        kind = self._kind
+        if kind is not None and kind.parameter != name and (wanted := kind_of_parameter(name)):
+            return f"{name}={self.topic!r}: expected a topic of {wanted.noun}, got one of {kind.noun}"
         rule = TO_DRIVE_BY if self._kind else TO_DRIVE_BY_NAMED
         step = min((later - earlier for earlier, later in pairwise(times[-3:])), default=0.0)
         is_silent = time.monotonic() + slept - times[-1] > (self._silence or rule).after(step)
