@@ -130,6 +130,8 @@ def hold():
     pad._handle_custom_msg({{"act": "press", "press": "p"}}, [])
     for _ in range(10):
         time.sleep(0.05)
+        if "token" not in answers[-1]:  # a slow machine: the press is over
+            return
         pad._handle_custom_msg({{"act": "hold", "press": "p", "token": answers[-1]["token"], "forward": 1.0}}, [])
 hold()
 while not moves():

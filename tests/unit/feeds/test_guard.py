@@ -31,7 +31,7 @@ from robowidgets.feeds.middleware import SEND_TIMEOUT
 from robowidgets.runtime.import_path import import_path
 
 from ..clocks import ManualClock
-from ..waiting import threads_named, wait_for
+from ..waiting import Clock, threads_named, wait_for
 from .bridge import Rosbridge
 from .scripted import CMD_VEL, Scripted
 from .test_feed import in_other_hands
@@ -343,14 +343,16 @@ def test_a_guard_hears_of_the_kernel_while_it_sends_the_first_speed(played: Play
 def test_a_guard_that_waits_for_a_slow_robot_again_and_again_is_at_work(
     played: Played, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(link, "LOOK", 0.001)
-    monkeypatch.setattr(link, "ANSWER", 0.1)
+    clock = Clock()
+    clock.process_time = time.process_time
+    monkeypatch.setattr(link, "time", clock)
+    monkeypatch.setattr(link, "LOOK", 0.005)
     asked = played.asked(1, ZERO)
     zero = played.hear("zero")
-    for number in range(300):
+    while clock.now < 104.0:
         played.hear("beat")
-        if number % 10 == 0:
-            played.say("slow")
+        played.say("slow")
+        clock.now += 0.01
     played.answer(zero)
     assert asked.result(120).refused == ""
     assert played.link.ends == 0
