@@ -519,6 +519,13 @@ test("another widget shows the time, is followed at clicks of the user, and rele
   follower.set("selection", null);
   await Promise.resolve();
   assert.equal(fake.get("selection"), null);
+  const [own, others] = [fake.saved.length, follower.saved.length];
+  fake.set("selection", [0, 2]);
+  assert.deepEqual(follower.get("selection"), [0, 2]);
+  assert.deepEqual([fake.saved.length, follower.saved.length], [own, others + 1], "and Python gets it first");
+  Object.assign(fake, { _state_lock: { selection: [1, 2] } });
+  fake.receive({ selection: [1, 2] });
+  assert.deepEqual(follower.get("selection"), [0, 2], "Python gives its own change to both");
   end();
   assert.equal(follower.listening, 0);
   assert.equal(fake.listening, 0);

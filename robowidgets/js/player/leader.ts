@@ -4,7 +4,7 @@ import { firstWhere } from "../shared/search.ts";
 import type { Host } from "./moved.ts";
 import type { PlayerTraits } from "./traits.ts";
 
-type Leading = Model<PlayerTraits> & Pick<Host<PlayerTraits>, "_state_lock">;
+export type Leading = Model<PlayerTraits> & Pick<Host<PlayerTraits>, "_state_lock">;
 
 /**
  * Calls back with the time of the place to which the leader of a player moves; NaN if there is no such place.

@@ -1,16 +1,16 @@
 import { toBytes } from "../shared/bytes.ts";
 import { onAbort } from "../shared/events.ts";
 import { type Mark, markBeside } from "../shared/marks.ts";
-import { lacksKernel, type Model, onChange, onMessage, setTraits } from "../shared/model.ts";
+import { lacksKernel, onChange, onMessage, setTraits } from "../shared/model.ts";
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Span } from "../shared/time_axis.ts";
 import type { Pointing } from "../shared/traits.ts";
-import { followLeader } from "./leader.ts";
+import { followLeader, type Leading } from "./leader.ts";
 import { type Follower, give, type Host, type Moved, type Target } from "./moved.ts";
 import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Shown, type Track } from "./segments.ts";
 import { Targets } from "./targets.ts";
-import type { PlayerTraits, SegmentMessage } from "./traits.ts";
+import type { SegmentMessage } from "./traits.ts";
 
 /** A time, and the direction of a step from there. */
 type Step = [from: number, direction: -1 | 1];
@@ -24,7 +24,7 @@ const APART = 0.5;
 
 /** Plays a recording in the page: one time for all widgets, from segments that Python prefetches. */
 export class Playback {
-  readonly #model: Model<PlayerTraits>;
+  readonly #model: Leading;
   readonly #segments: Segments;
   readonly #prefetcher: Prefetcher;
   readonly #listeners = new Set<() => void>();
@@ -52,7 +52,7 @@ export class Playback {
   /** True while the segment of the moment on show is missing. */
   #lacks = true;
 
-  constructor(model: Model<PlayerTraits>, find: () => Promise<Moved>, signal: AbortSignal) {
+  constructor(model: Leading, find: () => Promise<Moved>, signal: AbortSignal) {
     this.#model = model;
     this.#time = model.get("time");
     this.#segments = new Segments(model.get("_segment"));
@@ -395,7 +395,17 @@ export class Playback {
     };
     onChange(follower, ["time"], onTime, signal);
     onChange(follower, ["_pointed"], onPoint, signal);
+    const onOwnSelection = () => {
+      // Python gives its own changes to both.
+      if (this.#model._state_lock) return;
+      const [own, other] = [this.#model.get("selection"), follower.get("selection")];
+      if (other === undefined || (own?.[0] === other?.[0] && own?.[1] === other?.[1])) return;
+      // Before the player sends its change: Python would correct the other widget, which may have changed again by then.
+      follower.set("selection", own);
+      follower.save_changes();
+    };
     onChange(follower, ["selection"], onSelection, signal);
+    onChange(this.#model, ["selection"], onOwnSelection, signal);
     if (laser) onChange(laser, ["hovered"], onRay, signal);
   }
 
