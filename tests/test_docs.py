@@ -14,6 +14,7 @@ from typing import NamedTuple
 import pytest
 
 from .conftest import ROOT
+from .patience import PATIENT
 
 FILES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
 PROSE = {"text", "json", "sql", "toml"}
@@ -120,7 +121,7 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(file: Path, tmp_path: Path
         pytest.skip(f"{file.name} has no Python in it")
     if file.name == "rerun.md":
         pytest.importorskip("rerun_notebook", reason="Rerun is not installed: pip install 'robowidgets[rerun]'")
-    run = [_CELLS]
+    run = [PATIENT, _CELLS]
     for block in parts:
         shows = int(bool(_SHOWS.search(block.text)))
         if file.name == "README.md":  # to paste its first cells, a reader needs all files that they use

@@ -20,6 +20,7 @@ from robowidgets.lessons import _progress, _texts
 from robowidgets.lessons._progress import read as read_progress
 
 from .conftest import ROOT
+from .patience import PATIENT
 from .unit.waiting import wait_for
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -79,6 +80,9 @@ def test_a_notebook_runs_from_top_to_bottom(file: Path, tmp_path: Path, monkeypa
     for name in ("JUPYTER_RUNTIME_DIR", "JUPYTER_DATA_DIR", "JUPYTER_CONFIG_DIR", "IPYTHONDIR"):
         monkeypatch.setenv(name, str(tmp_path / name.lower()))
     monkeypatch.delenv("ROS_DISTRO", raising=False)
+    startup = tmp_path / "ipythondir" / "profile_default" / "startup" / "patience.py"
+    startup.parent.mkdir(parents=True)
+    startup.write_text(PATIENT)
     notebook = read(file)
     (tmp_path / "work").mkdir()
     client = NotebookClient(

@@ -11,11 +11,13 @@ from typing import Any
 
 import pytest
 
+from ..patience import be_patient
 from . import lock_order
 
 lock_order.install()
 
 from robowidgets.behaviors import program as _program  # noqa: E402
+from robowidgets.driving import command_watchdog as _watchdog  # noqa: E402
 from robowidgets.feeds import Feed  # noqa: E402
 from robowidgets.messages import definitions  # noqa: E402
 from robowidgets.runtime.user_threads import UserThread  # noqa: E402
@@ -28,9 +30,12 @@ from .waiting import wait_for  # noqa: E402
 
 lock_order.note_calls()
 
-STEP_LIMITS = {"STEP": _program.STEP, "HELD": _program.HELD}
-# A busy machine may delay a step, and a program that has failed takes no further step: a test would wait in vain.
-_program.STEP, _program.HELD = _program.STEP._replace(late=3600.0), 3600.0
+STEP_LIMITS = [
+    (_program, "STEP", _program.STEP),
+    (_program, "HELD", _program.HELD),
+    (_watchdog, "STANDSTILL", _watchdog.STANDSTILL),
+]
+be_patient()  # a program that has failed takes no further step, and a test would wait in vain
 
 
 class QuietEnd:
@@ -64,9 +69,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture
 def step_limits(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Set the limits that steps of programs have for users, for tests of late steps."""
-    for name, limit in STEP_LIMITS.items():
-        monkeypatch.setattr(_program, name, limit)
+    """Set the limits that users have, for tests of late steps and of standstills."""
+    for module, name, limit in STEP_LIMITS:
+        monkeypatch.setattr(module, name, limit)
 
 
 @pytest.fixture

@@ -17,7 +17,6 @@ from robowidgets.driving.command_watchdog import (
     INTERVAL,
     PROGRAM,
     SETTLE,
-    STANDSTILL,
     ZERO,
     CommandWatchdog,
     RefusedError,
@@ -259,7 +258,7 @@ def clock() -> ManualClock:
 
 
 @pytest.fixture
-def timed(clock: ManualClock) -> Iterator[tuple[CommandWatchdog, Sink]]:
+def timed(step_limits: None, clock: ManualClock) -> Iterator[tuple[CommandWatchdog, Sink]]:
     """A watchdog and its sink by a clock that the test moves."""
     sink = Sink(clock.now)
     made = CommandWatchdog(sink, not_sent=OSError, clock=clock)
@@ -364,9 +363,9 @@ def stand(clock: ManualClock, how: str) -> None:
     """Pause the process for longer than a speed may hold; waiting threads have not noticed yet."""
     clock.settle()
     if how == "sleep":
-        clock.asleep += STANDSTILL + 0.1
+        clock.asleep += HOLD + 0.1
     else:
-        clock.jump(STANDSTILL + 0.1)
+        clock.jump(HOLD + 0.1)
 
 
 @pytest.mark.parametrize("how", ["pause", "sleep"])
