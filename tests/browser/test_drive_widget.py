@@ -11,6 +11,7 @@ from playwright.sync_api import Locator, expect
 
 from robowidgets.driving import command_watchdog, press
 
+from ..patience import PATIENT
 from .chromium import shoot
 from .notebook import Notebook
 from .plain_page import PlainPage
@@ -366,7 +367,7 @@ pad
 def test_during_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once(
     notebook: Callable[..., Notebook],
 ) -> None:
-    nb = notebook([PROGRAM])
+    nb = notebook([PATIENT + PROGRAM])
     unhurried(nb)
     says(nb, "a program drives")
     numbers(nb, "0.20", "0.50")
@@ -395,7 +396,7 @@ def test_during_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once
 @pytest.fixture
 def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[PlainPage]:
     """A plain page with a pad of a robot that a program drives until the end of the test."""
-    nb = plain_page([PROGRAM])
+    nb = plain_page([PATIENT + PROGRAM])
     yield nb
     nb.namespace["runs"] = False
 
