@@ -6,7 +6,7 @@ import inspect
 
 
 def be_patient() -> None:
-    """Let late steps, and standstills of this process, pass: a program would fail, and speeds would be refused."""
+    """Accept late steps and standstills of this process, for which a program fails and speeds are refused."""
     from robowidgets.behaviors import program
     from robowidgets.driving import command_watchdog
 

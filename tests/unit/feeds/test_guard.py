@@ -101,7 +101,7 @@ class Guarded:
 
 
 @pytest.fixture
-def guarded() -> Iterator[Guarded]:
+def guarded(step_limits: None) -> Iterator[Guarded]:
     made = Guarded()
     yield made
     made.robot.broken = ""
