@@ -394,9 +394,10 @@ def test_during_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once
 
 
 @pytest.fixture
-def driven_page(plain_page: Callable[..., PlainPage]) -> Iterator[PlainPage]:
+def driven_page(plain_page: Callable[..., PlainPage], monkeypatch: pytest.MonkeyPatch) -> Iterator[PlainPage]:
     """A plain page with a pad of a robot that a program drives until the end of the test."""
-    nb = plain_page([PATIENT + PROGRAM])
+    monkeypatch.setattr(command_watchdog, "STANDSTILL", 3600.0)
+    nb = plain_page([PROGRAM])
     yield nb
     nb.namespace["runs"] = False
 

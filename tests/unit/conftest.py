@@ -30,7 +30,7 @@ from .waiting import wait_for  # noqa: E402
 
 lock_order.note_calls()
 
-STEP_LIMITS = [
+USER_LIMITS = [
     (_program, "STEP", _program.STEP),
     (_program, "HELD", _program.HELD),
     (_watchdog, "STANDSTILL", _watchdog.STANDSTILL),
@@ -68,9 +68,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture
-def step_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+def user_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     """Set the limits that users have, for tests of late steps and of standstills."""
-    for module, name, limit in STEP_LIMITS:
+    for module, name, limit in USER_LIMITS:
         monkeypatch.setattr(module, name, limit)
 
 

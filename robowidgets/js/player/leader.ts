@@ -4,7 +4,7 @@ import { firstWhere } from "../shared/search.ts";
 import type { Host } from "./moved.ts";
 import type { PlayerTraits } from "./traits.ts";
 
-export type Leading = Model<PlayerTraits> & Pick<Host<PlayerTraits>, "_state_lock">;
+export type PlayerModel = Model<PlayerTraits> & Pick<Host<PlayerTraits>, "_state_lock">;
 
 /**
  * Calls back with the time of the place to which the leader of a player moves; NaN if there is no such place.
@@ -22,7 +22,7 @@ export function followLeader(
     leader = own;
     if (!own.model) return;
     // A player that was closed leads nowhere.
-    const other = (await model.widget_manager.get_model(own.model).catch(() => null)) as Leading | null;
+    const other = (await model.widget_manager.get_model(own.model).catch(() => null)) as PlayerModel | null;
     if (!other || signal.aborted) return;
     const [times, seconds] = [toFloats(own.times), toFloats(own.seconds)];
     const toPlace = (shown: number) => seconds[firstWhere(times, (time) => time > shown) - 1] ?? NaN;

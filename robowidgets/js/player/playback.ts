@@ -5,7 +5,7 @@ import { lacksKernel, onChange, onMessage, setTraits } from "../shared/model.ts"
 import { perAnimationFrame, throttle } from "../shared/schedule.ts";
 import type { Span } from "../shared/time_axis.ts";
 import type { Pointing } from "../shared/traits.ts";
-import { followLeader, type Leading } from "./leader.ts";
+import { followLeader, type PlayerModel } from "./leader.ts";
 import { type Follower, give, type Host, type Moved, type Target } from "./moved.ts";
 import { Prefetcher } from "./prefetch.ts";
 import { decodeFrames, Segments, type Shown, type Track } from "./segments.ts";
@@ -24,7 +24,7 @@ const APART = 0.5;
 
 /** Plays a recording in the page: one time for all widgets, from segments that Python prefetches. */
 export class Playback {
-  readonly #model: Leading;
+  readonly #model: PlayerModel;
   readonly #segments: Segments;
   readonly #prefetcher: Prefetcher;
   readonly #listeners = new Set<() => void>();
@@ -52,7 +52,7 @@ export class Playback {
   /** True while the segment of the moment on show is missing. */
   #lacks = true;
 
-  constructor(model: Leading, find: () => Promise<Moved>, signal: AbortSignal) {
+  constructor(model: PlayerModel, find: () => Promise<Moved>, signal: AbortSignal) {
     this.#model = model;
     this.#time = model.get("time");
     this.#segments = new Segments(model.get("_segment"));
@@ -372,7 +372,7 @@ export class Playback {
     if (laser) give(laser, { hovered: ray });
   }
 
-  /** Follows the time and the selection that the user sets on another widget. */
+  /** Follows the time and the selection that the user sets on another widget, and gives it the selection of the player. */
   #follow(follower: Follower, signal: AbortSignal): void {
     const onTime = () => {
       if (this.#isGiving) return;
@@ -393,8 +393,6 @@ export class Playback {
       // After the other widget has sent its own change, so that Python need not correct it.
       queueMicrotask(() => setTraits(this.#model, { selection: selection && ([selection[0], selection[1]] as Span) }));
     };
-    onChange(follower, ["time"], onTime, signal);
-    onChange(follower, ["_pointed"], onPoint, signal);
     const onOwnSelection = () => {
       // Python gives its own changes to both.
       if (this.#model._state_lock) return;
@@ -404,6 +402,8 @@ export class Playback {
       follower.set("selection", own);
       follower.save_changes();
     };
+    onChange(follower, ["time"], onTime, signal);
+    onChange(follower, ["_pointed"], onPoint, signal);
     onChange(follower, ["selection"], onSelection, signal);
     onChange(this.#model, ["selection"], onOwnSelection, signal);
     if (laser) onChange(laser, ["hovered"], onRay, signal);

@@ -348,7 +348,7 @@ def hanging_log() -> Iterator[threading.Event]:
 
 @pytest.mark.parametrize("fault", ["raises", "hangs", "is interrupted"])
 def test_a_log_that_hangs_keeps_no_zero_from_the_robot(
-    step_limits: None, robot: Feed, script: Scripted, hanging_log: threading.Event, fault: str
+    user_limits: None, robot: Feed, script: Scripted, hanging_log: threading.Event, fault: str
 ) -> None:
     robot.driving = feeds.Driving(hold=60.0)
     faults: list[str] = []
@@ -388,7 +388,7 @@ def test_what_it_prints_is_kept_and_what_others_print_is_not(robot: Feed, capsys
     assert between() is not None, "another thread may still be writing there, by a print without a reference to it"
 
 
-def test_a_loop_that_is_abandoned_or_replaced_is_ended(step_limits: None, robot: Feed, script: Scripted) -> None:
+def test_a_loop_that_is_abandoned_or_replaced_is_ended(user_limits: None, robot: Feed, script: Scripted) -> None:
     ended: list[int] = []
 
     def loop(state):  # type: ignore[no-untyped-def]

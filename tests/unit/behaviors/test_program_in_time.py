@@ -27,7 +27,7 @@ from robowidgets.samples.staleness import STEP_SILENCE
 from ..clocks import ManualClock
 from ..waiting import threads_named, wait_for
 
-pytestmark = pytest.mark.usefixtures("step_limits")
+pytestmark = pytest.mark.usefixtures("user_limits")
 
 WORKER = "robowidgets-program"
 HUNG = (WORKER,)

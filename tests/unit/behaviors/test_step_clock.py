@@ -139,7 +139,7 @@ def hold_the_gil(seconds: float) -> None:
 
 @pytest.mark.slow
 def test_a_step_that_held_the_gil_is_an_error_that_says_how_long_and_that_zero_came_late(
-    step_limits: None, robot: Feed, script: Scripted, caplog: pytest.LogCaptureFixture
+    user_limits: None, robot: Feed, script: Scripted, caplog: pytest.LogCaptureFixture
 ) -> None:
     def go(state):  # type: ignore[no-untyped-def]
         state.steps = state.get("steps", 0) + 1
@@ -159,7 +159,7 @@ def test_a_step_that_held_the_gil_is_an_error_that_says_how_long_and_that_zero_c
 
 @pytest.mark.slow
 def test_a_step_in_which_the_process_was_suspended_does_not_count(
-    step_limits: None, robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
+    user_limits: None, robot: Feed, script: Scripted, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(time, "process_time", lambda: 1.0)  # it did nothing
     held: list[int] = []

@@ -258,7 +258,7 @@ def clock() -> ManualClock:
 
 
 @pytest.fixture
-def timed(step_limits: None, clock: ManualClock) -> Iterator[tuple[CommandWatchdog, Sink]]:
+def timed(user_limits: None, clock: ManualClock) -> Iterator[tuple[CommandWatchdog, Sink]]:
     """A watchdog and its sink by a clock that the test moves."""
     sink = Sink(clock.now)
     made = CommandWatchdog(sink, not_sent=OSError, clock=clock)

@@ -566,7 +566,7 @@ def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: py
 
 
 def test_driving_on_after_the_computer_slept_is_refused_until_older_requests_are_too_old(
-    step_limits: None, driven: Driven, clock: ManualClock
+    user_limits: None, driven: Driven, clock: ManualClock
 ) -> None:
     feed, script = driven(CMD_VEL, clock=clock)
     feed.drive(0.0)

@@ -101,7 +101,7 @@ class Guarded:
 
 
 @pytest.fixture
-def guarded(step_limits: None) -> Iterator[Guarded]:
+def guarded(user_limits: None) -> Iterator[Guarded]:
     made = Guarded()
     yield made
     made.robot.broken = ""
@@ -733,7 +733,7 @@ def test_a_guard_survives_the_signals_of_a_terminal_and_ends_with_zero_on_reques
 
 @pytest.mark.slow
 def test_a_step_that_held_the_gil_says_that_the_guard_stopped_the_robot_and_so_does_the_feed(
-    step_limits: None, robot: Rosbridge, with_guards: ExitStack
+    user_limits: None, robot: Rosbridge, with_guards: ExitStack
 ) -> None:
     feed, _ = opened(with_guards, robot)
 

@@ -173,7 +173,7 @@ def test_steps_are_reported_twenty_times_a_second_and_the_newest_wins(robot: Fee
     wait_for(lambda: step(page).get("states", {}).get("Count", [""])[0] == "two", "a second passes")
     # By the elapsed real time: the times of a late program do not give the number of messages.
     assert len(page.sent("_frame")) <= 2 + (time.monotonic() - began) / INTERVAL
-    program.pause()  # a step that this ends is not reported
+    program.pause()  # a step that the pause ends is not reported
     steps = program.steps
     wait_for(lambda: program.step() or program.steps > steps, "a step is made")
     wait_for(lambda: step(page)["time"] == program.version.function.last_step.time, "the last step is reported")

@@ -63,7 +63,7 @@ class User:
 
 
 @pytest.fixture(params=["condition", "function", "step"])
-def user(step_limits: None, request: pytest.FixtureRequest) -> Iterator[User]:
+def user(user_limits: None, request: pytest.FixtureRequest) -> Iterator[User]:
     user = User(request.param)
     yield user
     user.gate.set()
