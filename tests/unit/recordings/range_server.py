@@ -17,7 +17,7 @@ class RangeServer(ThreadingHTTPServer):
     Attributes:
         requests: the method of each request, with its range.
         urls: the paths of the requests, with their parameters.
-        sent: the number of bytes sent.
+        sent: the number of bytes that the answers contain so far.
         refusals: the status of the next requests for parts, in their order.
         cuts: the number of next answers that end after half of their bytes.
         mode: ``"ignore"`` to send the whole file for each range, ``"longer"`` to send other ranges than requested.
@@ -91,13 +91,13 @@ class _Handler(BaseHTTPRequestHandler):
         with self.server.path.open("rb") as file:
             file.seek(offset)
             while length > 0 and (block := file.read(min(length, 1 << 20))):
+                self.server.sent += len(block)  # before the client has them, so that a test that has them reads the sum
+                length -= len(block)
                 try:
                     self.wfile.write(block)
                 except ConnectionError:  # the client has read enough
                     self.close_connection = True
                     return
-                self.server.sent += len(block)
-                length -= len(block)
 
     def log_message(self, *args: Any) -> None:
         pass
