@@ -491,6 +491,17 @@ def test_all_of_a_recording_stands_on_one_screen(plain_page: Open) -> None:
     assert at["path"][3] == 240
     assert at["path"][1] + at["path"][3] == at["laser"][1] + at["laser"][3] == at["recording"][1] + 742
     shoot(nb.output(1), "recording-show-light-high")
+    for width in (848, 1200):
+        nb.resize(width, 900)
+        at = boxes(nb)
+        assert at["recording"][3] == 742
+        row = at["laser"][1] + at["laser"][3]
+        assert row == at["scanogram"][1] + at["scanogram"][3], "the rays are as high as the scanogram"
+        for name in ("speed", "touch", "path"):
+            assert at[name][1] == row + 4
+            assert at[name][1] + at[name][3] == at["recording"][1] + 742
+        assert at["path"][0] + at["path"][2] == at["laser"][0] + at["laser"][2], "the small ones stand below both"
+        shoot(nb.output(1), f"recording-show-light-high-{width}")
     nb.resize(400, 720)
     at = boxes(nb)
     tops = [at[name][1] for name in ("player", "laser", "scanogram", "speed", "touch")]
