@@ -339,7 +339,7 @@ class Program(Observed):
     def _prepare(self, version: Version, is_silent: bool) -> dict[str, Any] | None:
         """Start the clock and return the arguments of a step; NotReadyError if no step can be made."""
         if self._robot.is_stopped():
-            raise NotReadyError("stop is latched")
+            raise NotReadyError("Stop is pressed")
         if is_silent and version.on is not None:
             raise NotReadyError(self._inputs.why_silent(version.on))
         values = self._inputs.take()

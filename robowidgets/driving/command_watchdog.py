@@ -319,7 +319,7 @@ class CommandWatchdog(Observed):
                 lease = self._checked_lease(lease)
                 stops = lease.stops
             if stops not in (None, self.stops):
-                raise RefusedError("it was stopped meanwhile")
+                raise RefusedError("another call or Stop has stopped the robot meanwhile")
             now = self._clock.now()
             self._wanted, self._expires, self._driver = velocity, now + hold, driver
             if lease is not None:
@@ -445,7 +445,7 @@ class CommandWatchdog(Observed):
         if self._closed:
             raise RefusedError("it is closed")
         if self._latches:
-            raise RefusedError("stop is latched; release it first: press Allow on the page, or set stopped = False")
+            raise RefusedError("Stop is pressed: press Allow driving on the page, or set stopped = False")
         if self._clock.now() < self._settled_at:
             raise RefusedError(
                 f"{self.stood}, and the speed may be based on data from before that; drive again in {self._settle:g} s"
@@ -544,7 +544,7 @@ class CommandWatchdog(Observed):
             now = self._clock.now()
             if self._wanted is not None and now >= self._expires:  # it expired while the sink was busy
                 self._wanted = None
-                late = TimeoutError("the function that sends speeds was busy for longer than the speed holds")
+                late = TimeoutError("sending the speed before took longer than this one holds, so it was not sent")
                 self._resolve_speeds(late)
             elif self._wanted is None:  # zero replaced it
                 self._resolve_speeds(None)

@@ -320,4 +320,6 @@ class DrivingWidget(NamedWidget):
 
 
 def _described(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}"
+    """Return an error as text, with its class if it is not of this package, whose texts are whole sentences."""
+    is_ours = type(error).__module__.partition(".")[0] == __name__.partition(".")[0]
+    return str(error) if is_ours else f"{type(error).__name__}: {error}"

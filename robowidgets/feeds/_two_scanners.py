@@ -58,7 +58,8 @@ class TwoScanners:
             if not self.status:
                 by_frame = shape.frame_id != self._now.frame_id
                 both = ", and ".join(_described(one, by_frame) for one in sorted((shape, self._now)))
-                self.status = f"two scanners take turns on this topic: {both}"
+                or_one = "" if by_frame else ", or one changes its rays"
+                self.status = f"two scanners take turns on this topic{or_one}: {both}"
         elif self.status and self._before is not None:
             self.status = ""
         self._before, self._now, self._changed_at = self._now, shape, self._clock()

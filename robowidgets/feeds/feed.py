@@ -446,13 +446,16 @@ class Feed:
                 f"program {program.name}: a step each {1 / steps:.3g} s, but a speed holds for {hold:.3g} s, so the "
                 f"robot stands before the next one; choose a rate above {1 / hold:.3g}"
             )
-        self._program_note.print(
-            lambda: (
-                f"{self.where}: {program.name} drives from now on, also after this cell; "
-                f"{name_in_cells(self, 'feed')}.show() shows it, with Stop"
-            )
-        )
+        self._program_note.print(lambda: f"{self.where}: {self._is_installed(program)}")
         return program
+
+    def _is_installed(self, program: Program) -> str:
+        shown = f"{name_in_cells(self, 'feed')}.show()"
+        if self.stopped:
+            return f"{program.name} drives when you press Allow driving in {shown}, because Stop is pressed"
+        if program.error:
+            return f"{program.name} has an error and does not drive: correct it and run the cell again"
+        return f"{program.name} drives from now on, also after this cell; {shown} shows it, with Stop"
 
     def watch(self, condition: Any, name: str | None = None, /, **topics: str) -> Watch:
         """Evaluate a condition whenever the robot sends a message on any of the topics that it reads.

@@ -7,6 +7,7 @@ definition: it takes longer than all other imports of a feed, and the simulated 
 from __future__ import annotations
 
 import re
+import struct
 from collections.abc import Callable, Iterator
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
@@ -79,7 +80,8 @@ def decoder_of(channel: Channel) -> Decode:
         try:
             return read(memoryview(raw), type_name)
         except Exception as error:  # rosbags raises many types, such as KeyError and IndexError
-            raise DecodeError(f"{len(raw)} bytes are not a valid {type_name}: {one_line(error)}") from error
+            why = "they end within a field" if isinstance(error.__cause__, struct.error) else one_line(error)
+            raise DecodeError(f"{len(raw)} bytes are not a valid {type_name}: {why}") from error
 
     return decode
 

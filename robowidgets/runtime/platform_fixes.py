@@ -116,6 +116,7 @@ def call_on_interrupt(call: Callable[[], None]) -> None:
     before: Any = signal.getsignal(signal.SIGINT)
 
     def on_interrupt(number: int, frame: Any) -> None:
+        __tracebackhide__ = True  # see short_traceback.py
         call()
         before(number, frame)
 

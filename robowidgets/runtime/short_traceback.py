@@ -65,8 +65,9 @@ def _shortened_causes(error: BaseException) -> Iterator[None]:
 def _of_the_user(traceback: TracebackType | None) -> TracebackType | None:
     """Return a traceback without frames before the user's first frame, and after the user's last one.
 
-    The frames after it are removed only if they are of this package and end at a ``raise``. An error that Python or
-    another package raised in them is a bug in this package, so its traceback stays whole.
+    The frames after it are removed only if they are of this package and end at a ``raise``, or at the handler of an
+    interrupt. An error that Python or another package raised in them is a bug in this package, so its traceback stays
+    whole.
     """
     entries = []
     while traceback is not None:
@@ -85,5 +86,6 @@ def _of_the_user(traceback: TracebackType | None) -> TracebackType | None:
 
 
 def _is_raise(entry: TracebackType) -> bool:
-    """Return True if the error came from a ``raise``, and not from another instruction."""
-    return entry.tb_frame.f_code.co_code[entry.tb_lasti] == _RAISE
+    """Return True if the error came from a ``raise``, and not from another instruction, or from an interrupt."""
+    frame = entry.tb_frame
+    return frame.f_code.co_code[entry.tb_lasti] == _RAISE or "__tracebackhide__" in frame.f_locals

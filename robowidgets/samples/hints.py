@@ -15,7 +15,10 @@ _of_thread = threading.local()
 
 
 def give_hint(text: str, **values: Any) -> None:
-    """Pass a hint to the `hearing` function of this thread, or else warn, which Python shows once for each line.
+    """Pass a hint to the `hearing` function of this thread, or else warn, once for each line of the user.
+
+    Python shows a warning once for each line, but IPython forgets this with every message from a page, while programs
+    run. In threads other than the main one, the lines are kept here.
 
     Args:
         text: English, as a literal, with fields for `str.format`.
@@ -24,8 +27,17 @@ def give_hint(text: str, **values: Any) -> None:
     take: Callable[..., object] | None = getattr(_of_thread, "take", None)
     if take is not None:
         take(text, **values)
-    else:
-        warnings.warn(text.format(**values), stacklevel=_callers_depth())
+        return
+    caller, depth = _caller()
+    if caller is None:
+        return
+    if threading.current_thread() is not threading.main_thread():
+        lines: set[tuple[str, int]] = _of_thread.__dict__.setdefault("lines", set())
+        line = (caller.f_code.co_filename, caller.f_lineno)
+        if line in lines:
+            return
+        lines.add(line)
+    warnings.warn(text.format(**values), stacklevel=depth)
 
 
 @contextmanager
@@ -38,10 +50,14 @@ def hearing(take: Callable[..., object]) -> Iterator[None]:
         _of_thread.take = None
 
 
-def _callers_depth() -> int:
-    """Return the stack level of the line that calls robowidgets, as `give_hint` passes it to `warnings.warn`."""
+def _caller() -> tuple[FrameType | None, int]:
+    """Return the frame that calls robowidgets, and its stack level as `give_hint` passes it to `warnings.warn`.
+
+    Return None for the frame if robowidgets has called itself in a thread of its own.
+    """
     frame: FrameType | None = sys._getframe(1)
     depth = 1
     while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] == _OURS:
         frame, depth = frame.f_back, depth + 1
-    return depth
+    is_threads = frame is not None and frame.f_globals.get("__name__") == threading.__name__
+    return None if is_threads else frame, depth

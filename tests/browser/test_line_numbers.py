@@ -130,11 +130,11 @@ def test_a_number_is_dragged_drives_is_taken_back_and_goes_into_its_cell(noteboo
     widget.get_by_role("slider", name="number in avoid").focus()
     keys.press("ArrowLeft")
     keys.press("Enter")
-    expect(words).to_have_text("0.29 is in version 5; stop is latched")
+    expect(words).to_have_text("0.29 is in version 5; Stop is pressed")
     expect(version).to_have_text("v5 · no step yet")
     expect(literal(widget, "0.29")).to_be_visible()
     keys.press("ArrowLeft")
     keys.press("Enter")
-    expect(words).to_have_text("0.28 is in version 6; stop is latched")
+    expect(words).to_have_text("0.28 is in version 6; Stop is pressed")
     assert nb.python("robot.stopped").strip() == "True"
     shoot(widget, "lines-number-stopped")

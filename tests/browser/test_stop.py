@@ -109,7 +109,7 @@ def test_during_a_busy_cell_stop_reaches_the_robot_at_once(notebook: Callable[..
         moves = [speed != [0, 0] for _, *speed in heard]
         assert [is_moving for is_moving, _ in groupby(moves)] == [True, False, True, False], loop
         assert moves.count(False) == 2, loop
-        assert "cannot drive: stop is latched; release it first" in nb.python("refused"), loop
+        assert "cannot drive: Stop is pressed: press Allow driving" in nb.python("refused"), loop
         nb.python("heard.clear(); refused = ''")
         allow_of(nb).click()
 

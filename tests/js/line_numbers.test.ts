@@ -112,8 +112,8 @@ test("the state of a number has words", () => {
   assert.equal(wordsOf({ state: "tried", why: "it uses gripper" }), "without a trial: it uses gripper");
   assert.equal(wordsOf({ state: "driving", text: "0.3", version: 2 }), "0.3 drives, as version 2");
   assert.equal(
-    wordsOf({ state: "driving", text: "0.3", version: 2, note: "stop is latched" }),
-    "0.3 is in version 2; stop is latched",
+    wordsOf({ state: "driving", text: "0.3", version: 2, note: "Stop is pressed" }),
+    "0.3 is in version 2; Stop is pressed",
   );
   assert.equal(wordsOf({ state: "back", text: "0.2", version: 3, note: "" }), "0.2 is back, as version 3");
   assert.equal(wordsOf({ state: "refused", why: "it is late" }), "not changed: it is late");

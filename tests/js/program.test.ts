@@ -26,7 +26,9 @@ test("an error replaces the prints, a note shows only without prints", () => {
   assert.deepEqual(toNotice(told(), program({ error: "line 3: no" })), { text: "line 3: no", isError: true });
   assert.equal(toNotice(told(), program({ note: "replaces avoid" })).text, "replaces avoid");
   assert.equal(toNotice(told(), program({ note: "replaces avoid", prints: [[0, "hello"]] })).text, "");
-  assert.equal(toNotice(told({ stopped: true }), program()).text, "Zero until you press Run.");
+  const notice = (mode: string) => toNotice(told({ stopped: true }), program({ mode })).text;
+  assert.equal(notice("running"), "Zero until you press Allow driving or Run: then it drives on.");
+  assert.equal(notice("paused"), "Zero until you press Run.");
 });
 
 test("a slider steps by about a hundredth of its range, and shows as many decimals", () => {

@@ -28,7 +28,10 @@ function toPython(value: number): string {
 export function toNotice(told: Told, program: Program): { text: string; isError: boolean } {
   const error = told.error || program.error;
   if (error) return { text: error, isError: true };
-  if (told.stopped) return { text: "Zero until you press Run.", isError: false };
+  if (told.stopped) {
+    const drivesOn = program.mode === "running" ? "Allow driving or Run: then it drives on." : "Run.";
+    return { text: `Zero until you press ${drivesOn}`, isError: false };
+  }
   const isSilent = program.mode !== "running" || program.prints.length === 0;
   return { text: program.waiting || (isSilent ? program.note : ""), isError: false };
 }

@@ -132,7 +132,7 @@ def test_stop_of_a_person_ends_the_command_at_once_and_it_does_not_come_back(hel
     feed.stopped = True
     clock.advance(0.02)
     assert script.speeds[-1] == (0.0, 0.0)
-    with pytest.raises(FeedError, match=r"stop is latched.*nothing was sent"):
+    with pytest.raises(FeedError, match=r"Stop is pressed.*nothing was sent"):
         hand.drive(0.1, 0.0, 5.0)
     feed.stopped = False
     clock.advance(5.0)
@@ -208,7 +208,7 @@ def test_the_page_and_the_events_show_each_command_and_its_end(held: Held, clock
         ("assistant", "an assistant drives: 0.10 m/s, 0.00 rad/s, for 4 s"),
         (
             "assistant",
-            "an assistant does not drive any more: stop is latched; release it first: press Allow on the page, or set "
+            "an assistant does not drive any more: Stop is pressed: press Allow driving on the page, or set "
             "stopped = False",
         ),
     ]
@@ -361,7 +361,7 @@ def test_an_injection_in_the_text_of_a_topic_is_marked_and_changes_nothing_that_
         server, "robot_drive", linear=0.1, angular=0.0, seconds=99.0
     )
     feed.stopped = True
-    assert "stop is latched" in refusal(server, "robot_drive", linear=0.1, angular=0.0, seconds=1.0)
+    assert "Stop is pressed" in refusal(server, "robot_drive", linear=0.1, angular=0.0, seconds=1.0)
     assert set(script.speeds) <= {(0.1, 0.0), (0.2, 0.5), (0.0, 0.0)}
     assert feed.driving.max_linear == 0.5
 

@@ -95,7 +95,7 @@ def expect_zero(kernel: Kernel, since: float) -> None:
         ("    gate.acquire()", "failed: line 4: a step has not returned for half a second"),
         ("    while not over: time.sleep(0.1)", "failed: line 4: a step has not returned for half a second"),
         ("    return feed.programs.current.pause()", "paused"),
-        ("    feed.stopped = True", "stop is latched"),
+        ("    feed.stopped = True", "Stop is pressed"),
         ("    return nowhere", "NameError: name 'nowhere' is not defined"),
     ],
 )

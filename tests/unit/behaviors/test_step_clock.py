@@ -110,7 +110,7 @@ def test_the_time_out_of_a_state_counts_no_time_in_which_no_step_was_possible(
     program.run()
     pass_time(program, hand, 0.0)
     robot.stopped = True
-    wait_for(lambda: program.waiting == "stop is latched", "it waits")
+    wait_for(lambda: program.waiting == "Stop is pressed", "it waits")
     hand.time += 0.4
     robot.stopped = False
     pass_time(program, hand, 0.0)

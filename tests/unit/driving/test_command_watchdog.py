@@ -110,7 +110,7 @@ def test_what_a_slow_sink_kept_waiting_too_long_is_not_sent(watchdog: CommandWat
     time.sleep(0.06)
     sink.gate.set()
     watchdog.sent_in_time(first)
-    with pytest.raises(TimeoutError, match="the function that sends speeds was busy for longer than the speed holds"):
+    with pytest.raises(TimeoutError, match="sending the speed before took longer than this one holds"):
         watchdog.sent_in_time(late)
     wait_for(lambda: sink.speeds == [FORWARD, ZERO], "zero follows")
 
@@ -243,7 +243,7 @@ def test_a_latched_stop_sends_zero_and_refuses_all_until_it_is_released(watchdog
     drive(watchdog, FORWARD)
     watchdog.stopped = True
     for refused in (lambda: watchdog.drive(FORWARD), lambda: watchdog.take("hand")):
-        with pytest.raises(RefusedError, match="stop is latched; release it first"):
+        with pytest.raises(RefusedError, match="Stop is pressed: press Allow driving"):
             refused()
     watchdog.sent_in_time(watchdog.drive(ZERO))
     assert set(sink.speeds[1:]) == {ZERO}
@@ -353,7 +353,7 @@ def test_by_hand_what_a_slow_sink_kept_waiting_too_long_is_not_sent(
     clock.advance(0.05, hangs=("robowidgets-drive",))
     sink.gate.set()
     watchdog.sent_in_time(first)
-    with pytest.raises(TimeoutError, match="the function that sends speeds was busy for longer than the speed holds"):
+    with pytest.raises(TimeoutError, match="sending the speed before took longer than this one holds"):
         watchdog.sent_in_time(late)
     clock.settle()
     assert sink.speeds == [FORWARD, ZERO]
@@ -447,7 +447,7 @@ def test_a_latch_is_released_by_its_owner_and_each_by_the_user(watchdog: Command
     watchdog.stopped = True
     watchdog.release(one)
     watchdog.release(other)
-    with pytest.raises(RefusedError, match="stop is latched"):
+    with pytest.raises(RefusedError, match="Stop is pressed"):
         watchdog.drive(FORWARD)
     watchdog.latch(one)
     watchdog.stopped = False
@@ -557,16 +557,16 @@ def test_the_speed_of_an_assistant_ends_with_its_lease_however_often_it_is_renew
 @pytest.mark.parametrize(
     ("act", "why"),
     [
-        (lambda watchdog: watchdog.stop(), "it was stopped meanwhile"),
+        (lambda watchdog: watchdog.stop(), "another call or Stop has stopped the robot"),
         (lambda watchdog: watchdog.take("hand"), "a hand drives from a pad"),
         (lambda watchdog: (watchdog.take("hand"), watchdog.let_go("hand")), "the lease has ended"),
-        (lambda watchdog: setattr(watchdog, "stopped", True), "stop is latched"),
+        (lambda watchdog: setattr(watchdog, "stopped", True), "Stop is pressed"),
         (
             lambda watchdog: (setattr(watchdog, "stopped", True), setattr(watchdog, "stopped", False)),
             "the lease has ended",
         ),
         (lambda watchdog: watchdog.drive(LEFT), "the lease has ended"),
-        (lambda watchdog: watchdog.drive(ZERO), "it was stopped meanwhile"),
+        (lambda watchdog: watchdog.drive(ZERO), "another call or Stop has stopped the robot"),
         (lambda watchdog: watchdog.lend(9.0, watchdog.stops), "the lease has ended"),
     ],
     ids=["stop", "hand", "hand let go", "latch", "latch released", "program", "zero of a program", "next command"],

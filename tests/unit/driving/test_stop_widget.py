@@ -57,7 +57,7 @@ def test_stop_latches_and_closing_the_bar_releases_nothing(feed: Feed, script: S
     wait_for(lambda: script.speeds == [(0.2, 0.5), (0.0, 0.0)], "it stops")
     assert bar.stopped is feed.stopped is True
     bar.close()
-    with pytest.raises(FeedError, match="stop is latched"):
+    with pytest.raises(FeedError, match="Stop is pressed"):
         feed.drive(0.2, 0.5)
 
 
@@ -97,7 +97,7 @@ def test_a_zero_that_fails_is_reported_until_it_was_sent(feed: Feed, script: Scr
     feed.drive(0.2, 0.5)
     script.broken = "no room"
     bar.stopped = True
-    text = "Sending zero to the robot failed: FeedError: no room"
+    text = "Sending zero to the robot failed: no room"
     wait_for(lambda: page.state["_state"]["error"] == text, "it is reported")
     assert page.state["_state"]["speed"] == (0.2, 0.5, 0.0), "it is assumed to move"
     script.broken = ""

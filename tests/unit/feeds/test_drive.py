@@ -558,7 +558,7 @@ def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: py
     tried = connects_after(3, script, monkeypatch)
     stop = threading.Thread(target=lambda: (wait_for(lambda: tried, "it is tried"), feed.watchdog.stop()))
     stop.start()
-    with pytest.raises(FeedError, match="cannot drive: it was stopped meanwhile"):
+    with pytest.raises(FeedError, match="cannot drive: another call or Stop has stopped the robot"):
         feed.drive(0.3)
     stop.join()
     wait_for(lambda: script.speeds, "zero is sent")
@@ -647,7 +647,10 @@ def test_a_stop_while_a_speed_waits_for_the_guard_refuses_it(clock: ManualClock)
     script.guard._on_up()
     clock.advance(0.3)
     driving.join()
-    assert (script.speeds, refused) == ([(0.0, 0.0)], ["cannot drive: it was stopped meanwhile"])
+    assert (script.speeds, refused) == (
+        [(0.0, 0.0)],
+        ["cannot drive: another call or Stop has stopped the robot meanwhile"],
+    )
     clock.beside(feed.close)
     clock.advance(2.0)
 
@@ -658,7 +661,7 @@ def test_a_latched_stop_ends_the_attempts(driven: Driven, monkeypatch: pytest.Mo
     tried = connects_after(1_000_000, script, monkeypatch)
     latch = threading.Thread(target=lambda: (wait_for(lambda: tried, "it is tried"), setattr(feed, "stopped", True)))
     latch.start()
-    with pytest.raises(FeedError, match=r"has not connected|stop is latched"):
+    with pytest.raises(FeedError, match=r"has not connected|Stop is pressed"):
         feed.drive(0.3)
     latch.join()
     monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 0.1)  # closing would wait as long for the robot
@@ -938,7 +941,7 @@ def test_stop_latches_until_it_is_released(driven: Driven) -> None:
     feed.stopped = True
     wait_for(lambda: script.speeds == [(0.3, 0.0), (0.0, 0.0)], "zero is sent")
     assert feed.stopped
-    with pytest.raises(FeedError, match="cannot drive: stop is latched; release it first"):
+    with pytest.raises(FeedError, match="cannot drive: Stop is pressed: press Allow driving"):
         feed.drive(0.2)
     feed.stop()
     feed.stopped = False

@@ -421,7 +421,8 @@ def test_two_scanners_on_one_topic_are_reported(opened: Opened) -> None:
     for ranges in ([1.0] * 3, [1.0] * 5) * 2:
         script.listener.on_message("/scan", scan(*ranges))
     few, many = (f"{count} rays from 0.0° in steps of 5.73°" for count in (3, 5))
-    assert source(laser)["status"] == f"two scanners take turns on this topic: {few}, and {many}"
+    words = "two scanners take turns on this topic, or one changes its rays: "
+    assert source(laser)["status"] == f"{words}{few}, and {many}"
 
 
 def test_a_message_of_the_wrong_type_keeps_the_last_picture_and_says_so(opened: Opened) -> None:
@@ -596,7 +597,9 @@ def test_a_feed_that_is_not_closed_stops_the_robot_and_lets_the_process_end() ->
         "feed.drive(0.25, 0.0)\n"
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert (ended.returncode, ended.stdout.split(), ended.stderr) == (0, ["0.25", "0.0"], "")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    first, *later = ended.stdout.split()
+    assert (first, {*later}) == ("0.25", {"0.0"}), "the speed may end before the process"
 
 
 @pytest.mark.slow

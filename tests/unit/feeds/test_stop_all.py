@@ -99,7 +99,7 @@ class TestStopAll:
         everybody.release()
         others.release()
         assert red.stopped
-        with pytest.raises(feeds.FeedError, match="stop is latched"):
+        with pytest.raises(feeds.FeedError, match="Stop is pressed"):
             red.drive(0.2)
         red.stopped = False
         red.drive(0.2)

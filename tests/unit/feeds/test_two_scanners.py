@@ -23,7 +23,7 @@ def test_two_that_take_turns_are_two_whatever_their_messages_are_made_of():
     for message in (FEW, other, FEW, other):
         watch.see(message)
     few, many = "2 rays from 0.0° in steps of 5.73°", "3 rays from 28.6° in steps of 5.73°"
-    assert watch.status == f"two scanners take turns on this topic: {few}, and {many}"
+    assert watch.status == f"two scanners take turns on this topic, or one changes its rays: {few}, and {many}"
 
 
 def test_two_of_one_make_are_distinguished_by_their_frames():

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+import threading
 import warnings
 from collections.abc import Callable
+from functools import partial
 from math import inf, isnan, nan, pi, radians
 from types import SimpleNamespace
 from typing import Any
@@ -156,6 +158,21 @@ class TestRays:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             pasted(for_scan(Sector(*swapped)), scan=scan)
+
+    def test_the_hint_comes_once_for_a_line_of_a_thread_though_warnings_are_forgotten(self) -> None:
+        scan = circle()
+
+        def step() -> None:
+            for _ in range(3):
+                scan.distance(("20deg", "-20deg"))
+
+        for target, told in ((step, 1), (partial(scan.distance, ("20deg", "-20deg")), 0)):
+            with warnings.catch_warnings(record=True) as warned:
+                warnings.simplefilter("always")
+                thread = threading.Thread(target=target)
+                thread.start()
+                thread.join()
+            assert [warning.filename for warning in warned] == [__file__] * told
 
     @pytest.mark.parametrize(
         "meant",

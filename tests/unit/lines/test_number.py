@@ -280,11 +280,11 @@ def test_a_number_that_is_let_go_but_whose_trial_takes_too_long_does_not_drive(
 def test_a_number_drives_while_stop_is_latched_only_after_its_release(drag: Dragging) -> None:
     program = drag.start(go)
     drag.robot.stopped = True
-    wait_for(lambda: program.waiting == "stop is latched", "it is stopped")
+    wait_for(lambda: program.waiting == "Stop is pressed", "it is stopped")
     steps = program.steps
     drag.try_("0.45")
     drag.send("put", text="0.45")
-    assert drag.until("driving")["note"] == "stop is latched"
+    assert drag.until("driving")["note"] == "Stop is pressed"
     wait_for(lambda: drag.code["key"] == "go 2", "the page has the source of a version that made no step")
     drag.try_("0.4", "0.45")
     drag.send("put", "0.45", "0.4")

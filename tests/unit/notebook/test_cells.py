@@ -5,14 +5,17 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from types import SimpleNamespace
 
 import pytest
 
-from robowidgets import feeds
+from robowidgets import ProgramWidget, feeds
+from robowidgets.feeds import feed as _feed
 from robowidgets.notebook import cells as _cells
 
 from ..shells import put_in_place
+from ..waiting import wait_for
 
 Run = Callable[[str, str], "Made"]
 
@@ -129,7 +132,8 @@ program = "@bot.program\\ndef stand():\\n    return Drive()"
 run(4, program)
 run(5, program, cell="")
 run(6, "import threading; t = threading.Thread(target=bot.stop); t.start(); t.join()")
-run(7, "bot.close()")
+run(7, "bot.stopped = True\\n" + program)
+run(8, "bot.close()")
 """
 
 
@@ -139,5 +143,23 @@ def test_a_driving_cell_prints_once_what_happens_and_which_widget_shows_it() -> 
     assert done.returncode == 0, done.stderr
     drives = "the simulated robot: each speed on /cmd_vel holds for 0.5 s; bot.show() shows the robot"
     stands = "the simulated robot: stand drives from now on, also after this cell; bot.show() shows it, with Stop"
-    cells = ["cell 1", "cell 1", "cell 2", drives, "cell 3", drives, "cell 4", stands, "cell 5", "cell 6", "cell 7"]
-    assert done.stdout.splitlines() == cells
+    stopped = "the simulated robot: stand drives when you press Allow driving in bot.show(), because Stop is pressed"
+    cells = ["cell 1", "cell 1", "cell 2", drives, "cell 3", drives, "cell 4", stands, "cell 5", "cell 6"]
+    assert done.stdout.splitlines() == [*cells, "cell 7", stopped, "cell 8"]
+
+
+def test_a_cell_whose_program_failed_at_once_does_not_say_that_it_drives(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(_cells, "running_cell", lambda: ("a", "1"))
+    monkeypatch.setattr(_cells, "called_from_cell", lambda: True)
+    with feeds.simulator(wander=False) as robot, closing(ProgramWidget(robot)) as widget:
+
+        def has_failed(*_: object) -> str:
+            wait_for(lambda: widget.program and widget.program.error, "the first step has failed")
+            return "robot"
+
+        monkeypatch.setattr(_feed, "name_in_cells", has_failed)
+        robot.program(lambda: 1 / 0, rate=50)
+        words = "the simulated robot: <lambda> has an error and does not drive: correct it and run the cell again\n"
+        assert capsys.readouterr().out == words

@@ -86,6 +86,13 @@ def test_bytes_that_are_not_such_a_message_are_refused_in_a_line(raw: bytes) -> 
     assert "\n" not in str(caught.value)
 
 
+def test_a_message_that_ends_early_is_refused_in_plain_words() -> None:
+    with pytest.raises(
+        DecodeError, match=r"^7 bytes are not a valid sensor_msgs/msg/LaserScan: they end within a field$"
+    ):
+        read(b"\0\1\0\0\0\0\0", "sensor_msgs/msg/LaserScan")
+
+
 def test_a_shape_names_every_field_down_to_the_numbers() -> None:
     definition = "std_msgs/Header header\nfloat32[] ranges\nfloat64[36] covariance\ngeometry_msgs/Point[] points\n"
     shape = shape_of(channel("my_msgs/msg/All", definition))

@@ -8,9 +8,11 @@ import json
 import os
 import platform
 import re
+import signal
 import subprocess
 import sys
 import threading
+import traceback
 from collections.abc import Iterator
 from importlib.metadata import version
 from itertools import pairwise
@@ -28,6 +30,7 @@ from tornado.websocket import WebSocketHandler, websocket_connect
 
 from robowidgets.runtime import platform_fixes
 from robowidgets.runtime.platform_fixes import let_threads_print, message_padding, route_by_message, skip_large_messages
+from robowidgets.runtime.short_traceback import without_our_frames
 
 from ..shells import put_in_place
 from ..upstream import GOES_WRONG, GOES_WRONG_SLOWLY
@@ -234,3 +237,17 @@ def test_a_message_that_is_too_large_is_skipped_whole_and_the_next_ones_come(
     assert asyncio.run(hear()) == ["small", "next"]
     assert skipped == [(b"\x01" * 1000, 300_000), (b"a" * 1000, 180_000)]
     assert bool(parts) == (part < 300_000)
+
+
+def test_the_traceback_of_an_interrupted_cell_ends_at_its_line() -> None:
+    called: list[bool] = []
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        platform_fixes.call_on_interrupt(lambda: called.append(True))
+        with pytest.raises(KeyboardInterrupt) as raised:
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    with without_our_frames(raised.value) as (_, _, of_the_user):
+        assert [frame.filename for frame in traceback.extract_tb(of_the_user)] == [__file__]
+    assert called == [True]
