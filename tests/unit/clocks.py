@@ -85,6 +85,10 @@ class ManualClock:
             loop.run_until_complete(loop.shutdown_asyncgens())
             loop.close()
 
+    def changing(self) -> threading.RLock:
+        """Return the lock under which threads begin and end to wait."""
+        return self._lock
+
     def enter(self, when: float | None, what: Any) -> bool:
         """Note that the calling thread waits for this time; return False if the time has passed already."""
         with self._lock:
@@ -139,15 +143,18 @@ class _Signal:
         self._lock.acquire()
 
     def set(self) -> None:
-        self._clock.wakes(self)
-        with suppress(RuntimeError):
+        with self._clock.changing(), suppress(RuntimeError):
+            self._clock.wakes(self)
             self._lock.release()
 
     def wake(self) -> None:
         self.set()
 
     def wait_until(self, when: float | None) -> None:
-        self._lock.acquire(blocking=self._clock.enter(when, self))
+        with self._clock.changing():  # a thread whose signal is set already does not wait
+            if self._lock.acquire(blocking=False) or not self._clock.enter(when, self):
+                return
+        self._lock.acquire()
 
 
 class _Condition:

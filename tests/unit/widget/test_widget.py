@@ -225,8 +225,10 @@ class TestToThePage:
         assert page.messages[-1].keys() == {"history"}
 
     def test_no_message_is_as_long_as_the_one_before_which_would_hold_up_the_next(
-        self, widget: NumberWidget, page: Page
+        self, widget: NumberWidget, page: Page, monkeypatch: pytest.MonkeyPatch
     ) -> None:
+        now = time.monotonic()
+        monkeypatch.setattr(paced_widget, "time", SimpleNamespace(monotonic=lambda: now))
         for _ in range(200):
             widget.update(7)
             pacer.flush()
