@@ -88,11 +88,12 @@ export class ScreenView {
     const at = (place: Place) => rooms.filter((room) => room.place === place).map((room) => this.#elementOf(room));
     const tree = this.#arranger.shown;
     const [bar, topics] = [at("bar"), at("topics")];
+    const hasOneWide = at("mains").length > 0 && at("smalls").length > 0 && at("wides").length === 1;
     this.root.className = [
       "one-screen",
       ...kinds,
       ...(topics.length ? ["has-topics"] : []),
-      ...(tree ? ["by-hand"] : []),
+      ...(tree ? ["by-hand"] : hasOneWide ? ["one-wide"] : []),
       ...this.#arranger.classes,
     ]
       .map((name) => `rw-${name}`)
