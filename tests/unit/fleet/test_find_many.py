@@ -375,7 +375,18 @@ def test_printed_it_names_files_without_their_common_folder_and_what_was_not_rea
     assert "\n  monday/run_1.mcap  /scan" in text
     assert "\n! not read: broken.bag: " in text
     never = repr(find(conditions.nearest_below(0.001), runs, executor=Here()))
-    assert never.startswith("nearest below 0.001 m: never in 4 files")
+    assert never.startswith("nearest below 0.001 m: never in 3 files, 1 not searched\n")
+
+
+def test_only_files_that_were_searched_are_counted_as_searched(runs: Path) -> None:
+    some = repr(find(NEAR, runs, executor=Here())).splitlines()[0]
+    assert some.endswith(" in 3 of 3 files, 1 not searched")
+    none = repr(find(NEAR, runs / "broken.bag", runs / "missing.mcap", executor=Here())).splitlines()[0]
+    assert none == "nearest below 0.3 m: none of 2 files searched"
+    other = repr(find(conditions.nearest_below(0.3, topic="/rear"), runs, executor=Here())).splitlines()[0]
+    assert other == "nearest below 0.3 m: none of 4 files searched"
+    whole = repr(find(NEAR, runs / "run_2.mcap", executor=Here())).splitlines()[0]
+    assert whole.endswith(" in 1 of 1 file")
 
 
 def test_a_function_that_cannot_be_sent_is_refused_with_the_reason(runs: Path) -> None:
