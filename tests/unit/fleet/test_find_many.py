@@ -369,6 +369,17 @@ def test_a_reason_loses_the_name_of_its_recording_and_no_other_word() -> None:
     assert list(not_read(unread)) == ["not read: scan, a, b.bag: no /scan in . A scanner was lost"]
 
 
+def test_a_command_in_a_reason_keeps_its_file_or_names_a_stand_in_for_several() -> None:
+    problem = "{0}: a bag of format 1.2; `rosbag filter {0} new.bag True` writes it as 2.0, {0} stays"
+    unread = [Unread(f"/runs/{name}", problem.format(name)) for name in ("a.bag", "b.bag")]
+    assert list(not_read(unread[:1])) == [
+        "not read: a.bag: a bag of format 1.2; `rosbag filter a.bag new.bag True` writes it as 2.0,  stays"
+    ]
+    assert list(not_read(unread)) == [
+        "not read: a.bag, b.bag: a bag of format 1.2; `rosbag filter FILE new.bag True` writes it as 2.0,  stays"
+    ]
+
+
 def test_printed_it_names_files_without_their_common_folder_and_what_was_not_read(runs: Path) -> None:
     text = repr(find(NEAR, runs, executor=Here()))
     assert text.startswith("nearest below 0.3 m: ")
