@@ -31,7 +31,9 @@ def cut(arguments: argparse.Namespace) -> str:
             part = recording[arguments.start : arguments.end]
             path = part.to_mcap(arguments.output, overwrite=arguments.force)
         except ValueError as error:
-            raise CommandError(f"cut: {error}") from None
+            text = in_options(str(error))
+            dashes = "--" if text.startswith(("start:", "end:")) else ""
+            raise CommandError(f"cut: {dashes}{text}") from None
         except FileExistsError as error:
             raise FileExistsError(in_options(str(error))) from None
     return f"Wrote {path}: {part}, {megabytes(path.stat().st_size)}"

@@ -124,11 +124,13 @@ class FleetTable(HasTable):
 
 def not_read(unread: Sequence[Unread]) -> Iterator[str]:
     """Yield lines on recordings that could not be read, one for each reason, the most frequent reason first."""
-    reasons: dict[str, list[str]] = {}
-    for file, problem in unread:
-        reasons.setdefault(without_name(problem, file), []).append(Path(file).name)
-    for reason, names in sorted(reasons.items(), key=lambda one: -len(one[1])):
-        yield f"not read: {listed(names)}: {reason}"
+    reasons: dict[str, list[Unread]] = {}
+    for one in unread:
+        reasons.setdefault(without_name(one.problem, one.file), []).append(one)
+    for reason, alike in sorted(reasons.items(), key=lambda one: -len(one[1])):
+        names = listed([Path(one.file).name for one in alike])
+        text = reason if len(alike) > 1 else without_name(alike[0].problem, alike[0].file, in_commands=False)
+        yield f"not read: {names}: {text}"
 
 
 def with_problems(problems: Mapping[str, Sequence[str]]) -> Iterator[str]:
@@ -145,10 +147,20 @@ def cell_of(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else f"{value:,}" if isinstance(value, int) else str(value)
 
 
-def without_name(problem: str, file: str) -> str:
-    """Return a problem without the name of its recording, so that it is the same for others: of `scan`, not /scan."""
-    name = re.escape(Path(file).name)
-    return re.sub(rf"{re.escape(file)}|(?<![\w/.-]){name}(?!\.?[\w/-])", "", problem).strip(": ")
+def without_name(problem: str, file: str, *, in_commands: bool = True) -> str:
+    """Return a problem without the name of its recording, so that it is the same for others: of `scan`, not /scan.
+
+    Args:
+        problem: the problem.
+        file: the path of the recording.
+        in_commands: True to write FILE for the name in commands between backticks, False to leave commands as they are.
+    """
+    name = re.compile(rf"{re.escape(file)}|(?<![\w/.-]){re.escape(Path(file).name)}(?!\.?[\w/-])")
+    parts = problem.split("`")
+    parts[::2] = [name.sub("", part) for part in parts[::2]]
+    if in_commands:
+        parts[1::2] = [name.sub("FILE", part) for part in parts[1::2]]
+    return "`".join(parts).strip(": ")
 
 
 def short(files: Sequence[str]) -> dict[str, str]:

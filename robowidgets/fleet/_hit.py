@@ -33,6 +33,7 @@ class Hit(NamedTuple):
 
     @property
     def moment(self) -> float:
-        """The shown time in seconds: the time of the nearest reading or of the value, or else the start."""
+        """The shown time in seconds: the first in the span with the nearest reading or the value, or else the start."""
         at_ns = self.value_ns if self.nearest_ns is None else self.nearest_ns
-        return self.start if at_ns is None else self.start + (at_ns - self.start_ns) / 1e9
+        # A sample that came before the span holds from its start on.
+        return self.start if at_ns is None else self.start + max(0, at_ns - self.start_ns) / 1e9

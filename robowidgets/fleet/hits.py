@@ -202,7 +202,11 @@ class Hits(FleetTable, Sequence[Hit]):
         return Table(self._heading(), heads, rows, right, [*more, *self._told()], list(self._complaints()))
 
     def _heading(self) -> str:
-        there = many(len(self.files), "file")
+        searched = (len(self.files) if self.until is None else self.until) - len(self.unread)
+        left = len(self.files) - searched
+        if left and not searched:
+            return f"{self.condition}: none of {many(left, 'file')} searched"
+        there = many(searched, "file") + (f", {left:,} not searched" if left else "")
         if not self:
             return f"{self.condition}: never in {there}"
         return f"{self.condition}: {len(self):,} in {len({hit.file for hit in self}):,} of {there}"

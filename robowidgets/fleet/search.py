@@ -17,7 +17,7 @@ from ._topics import chosen_of, looked_at
 from .hits import Hit, Hits
 from .places import NamedPath, PathLike
 
-_FORM = 6
+_FORM = 7
 """The version of the form of the stored results."""
 
 

@@ -84,8 +84,10 @@ class Summary(FleetTable):
         ]
         more = [f"  ... and {len(self._found) - SHOWN:,} more"] if len(self._found) > SHOWN else []
         seconds = sum(row["seconds"] for row in self._found)
-        driven = sum(row["driven"] or 0.0 for row in self._found)
-        head = f"{many(len(self._found), 'recording')}, {seconds:,.1f} s, {driven:,.1f} m driven"
+        driven = [row["driven"] for row in self._found if row["driven"] is not None]
+        covered = f" in {len(driven):,} of them" if len(driven) < len(self._found) else ""
+        way = [f"{sum(driven):,.1f} m driven{covered}"] if driven else []
+        head = ", ".join([many(len(self._found), "recording"), f"{seconds:,.1f} s", *way])
         bars = {heads.index(name): _shares([row[name] for row in self._found])[:SHOWN] for name in _BARS}
         return Table(
             head, heads, rows, right=(1, *range(3, 8)), notes=more, problems=list(self._complaints()), bars=bars

@@ -63,7 +63,8 @@ def write_cut(source: Source, recording: Path, target: Path, start_ns: int | Non
         stop_ns: the end, or None to include its last message.
 
     Raises:
-        ValueError: the span has no message. RecordingError: the file cannot be written.
+        ValueError: the span has no message, or lies outside of the recording. RecordingError: the file cannot be
+            written.
     """
     from ..repair.write import write_messages  # Imported lazily: reading samples needs no mcap.
 
@@ -71,10 +72,13 @@ def write_cut(source: Source, recording: Path, target: Path, start_ns: int | Non
     start_ns = begin_ns if start_ns is None else max(start_ns, begin_ns)
     end_ns = last_ns if stop_ns is None else stop_ns
     start, end, length = ((time_ns - begin_ns) / 1e9 for time_ns in (start_ns, end_ns, last_ns))
+    for name, seconds, is_beyond in (("start", start, start > length), ("end", end, end < 0)):
+        if is_beyond:
+            raise ValueError(f"{name}: expected seconds from 0 to {length:.2f}, got {seconds:g}")
     messages = source.messages(source.channels, start_ns, stop_ns)
     first = next(messages, None)
     if first is None:
-        raise ValueError(f"{recording.name}: no message from {start:.3f} s to {end:.3f} s; it has {length:.3f} s")
+        raise ValueError(f"{recording.name}: no message from {start:.3f} s to {end:.3f} s; name a longer span")
 
     def in_order() -> Iterator[Message]:
         yield from ((channel, start_ns, data) for channel, _, data in _still_valid(source, start_ns))

@@ -20,6 +20,10 @@ class Span(NamedTuple):
     recording. Conditions without a distance set none of these four. ``value`` is the number that a condition on a speed
     or a field compared: the one farthest beyond the limit in the span, or the first one if the limit has no sides.
     ``value_ns`` is its time. Other conditions set neither.
+
+    The sample in force at the start belongs to the span, so ``nearest_ns`` and ``value_ns`` may be before ``start_ns``.
+    Of joined conditions, the samples count while their condition makes the whole one true: with ``|``, only samples of
+    the true parts, and after ``~`` none.
     """
 
     start: float

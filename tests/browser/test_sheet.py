@@ -87,7 +87,7 @@ def test_a_sheet_draws_sorts_filters_walks_and_opens(plain_page: Open, folder: P
     tiles = sheet.locator(".rw-sheet-tile")
     nb.page.wait_for_function(PAINTED, arg=16)
     expect(tiles).to_have_count(16)
-    expect(sheet.locator(".rw-facts")).to_contain_text("16 in 2 of 3 files")
+    expect(sheet.locator(".rw-facts")).to_contain_text("16 in 2 of 2 files · 1 not searched")
     expect(sheet.locator(".rw-sheet-odd")).to_contain_text("empty.bag")
     shoot(sheet, "sheet")
 

@@ -180,7 +180,7 @@ function scriptOf(widget: string, { keys }: PageFacts, widgets: Widgets): Script
   throw new Error(`the script of ${widget} is not in this page`);
 }
 
-/** Buttons that save the samples of a topic, exactly as they were recorded. */
+/** Buttons that save the samples of a topic as they were recorded, but with the robot's angles if a scanner is turned. */
 function offerData({ models, name }: PageFacts, player: PageModel, segments: Segments): void {
   const place = document.querySelector(".rw-page-data");
   if (place) place.append(makeLinkButton());

@@ -269,7 +269,8 @@ export class SheetView {
   // -- drawing -------------------------------------------------------------------------------------------------------
 
   #draw(): void {
-    const [done, total] = [this.#model.get("_done"), this.#model.get("_total")];
+    const [done, total, odd] = [this.#model.get("_done"), this.#model.get("_total"), this.#model.get("_unread")];
+    const unread = odd.filter((file) => !file.is_read).length;
     this.#measure();
     this.#soil();
     this.#space.style.height = `${this.#height}px`;
@@ -283,18 +284,25 @@ export class SheetView {
       this.#paintSome(Number.POSITIVE_INFINITY);
     const all = this.#moments.length;
     setHidden(this.#empty, this.#order.length > 0);
-    setText(this.#empty, all ? "none passes the filters" : done === null ? "never" : "nothing yet");
+    const never = unread && unread === total ? "no file searched" : "never";
+    setText(this.#empty, all ? "none passes the filters" : done === null ? never : "nothing yet");
     this.#card.updateFrame([], "note");
     const files = this.#ofFile.size;
     const isFalse = this.#model.get("false_finds").length;
     const found =
       done === null
-        ? `${count(all)} in ${count(files)} of ${toFiles(total)}`
+        ? `${count(all)} in ${count(files)} of ${toFiles(total - unread)}`
         : `${count(all)} so far, ${count(done)} of ${toFiles(total)}`;
-    this.#card.updateFacts([found, ...(isFalse ? [`${count(isFalse)} false`] : []), this.#model.get("condition")]);
+    const left = done === null && unread ? [`${count(unread)} not searched`] : [];
+    this.#card.updateFacts([
+      found,
+      ...left,
+      ...(isFalse ? [`${count(isFalse)} false`] : []),
+      this.#model.get("condition"),
+    ]);
     this.#drawControls();
     this.#drawBar();
-    this.#drawOdd(this.#model.get("_unread"));
+    this.#drawOdd(odd);
     this.#drawFoot();
   }
 

@@ -122,7 +122,7 @@ class FieldCondition(Condition):
             numbers = np.ma.filled(column[is_true].astype(np.float64), np.nan)
             numbers = np.abs(numbers) if self._is_size else numbers
             side = {">": -1, "≥": -1, "<": 1, "≤": 1}.get(self._relation, 0)
-            search.compared(self, times[is_true], numbers, side * numbers)
+            search.compared(self, times, is_true, numbers, side * numbers)
         found = steps(times, values)
         search.looked_at(len(times))
         kind = next(one.widget for one in recording.topics if one.name == topic)

@@ -135,7 +135,7 @@ class NearestCondition(_OfOneTopic):
     def steps(self, search: Search) -> Steps:
         def test(chunk: ScanChunk) -> NDArray[np.int8]:
             values = self._test(chunk)
-            self._note_nearest(search, chunk, np.flatnonzero(values == YES))
+            self._note_nearest(search, chunk, values == YES)
             return values
 
         return search.over(search.recording.scans(self._topic), test)
@@ -143,15 +143,13 @@ class NearestCondition(_OfOneTopic):
     def possible(self, rows: SecondRows) -> Possible:
         return rows.judged(self.kind, self._topic, rows.nearest(self._sector) < np.float32(self._distance))
 
-    def _note_nearest(self, search: Search, chunk: ScanChunk, rows: NDArray[np.intp]) -> None:
+    def _note_nearest(self, search: Search, chunk: ScanChunk, is_true: NDArray[np.bool_]) -> None:
         """Note the nearest readings in the scans for which the condition is true."""
-        if not rows.size:
-            return
-        away = ray_distances(chunk.ranges[rows], chunk.like)
+        away = ray_distances(chunk.ranges[is_true], chunk.like)
         away[:, ~inside(chunk.like, self._sector)] = np.inf
         away[np.isnan(away)] = np.inf
-        indices = away.argmin(axis=1)
-        search.met(chunk.times_ns[rows], away.min(axis=1), indices, chunk.like.angles[indices])
+        indices = away.argmin(axis=1) if away.size else np.empty(0, np.intp)  # scans may have no ray at all
+        search.met(chunk.times_ns, is_true, away.min(axis=1, initial=np.inf), indices, chunk.like.angles[indices])
 
     def _judge(self, scan: Scan) -> Verdict:
         value = VALUES[int(self._test(single_scan(scan, 0))[0])]
@@ -187,7 +185,7 @@ class SpeedCondition(_OfOneTopic):
         def test(chunk: SpeedChunk) -> NDArray[np.int8]:
             values = self._test(chunk)
             speeds = chunk.values[values == YES, AXES.index(self._axis)]
-            search.compared(self, chunk.times_ns[values == YES], speeds, -np.abs(speeds))
+            search.compared(self, chunk.times_ns, values == YES, speeds, -np.abs(speeds))
             return values
 
         return search.over(search.recording.speeds(self._topic), test)

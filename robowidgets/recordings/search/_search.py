@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from math import pi
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,15 @@ from numpy.typing import NDArray
 from ...samples.checks import ANGLE_ROUNDING, shortest
 from ..span import Span
 from ._silence import mark_stale
-from ._steps import NO, Steps, spans, steps
+from ._steps import NO, Steps, inverted, spans, steps
 
 if TYPE_CHECKING:
     from .. import RecordingData
+
+_NEAREST = "nearest"
+"""Stands for all conditions on distances, because a span has one nearest reading."""
+
+_LAST = np.iinfo(np.int64).max
 
 
 class Chunked(Protocol):
@@ -23,6 +28,13 @@ class Chunked(Protocol):
 
     def chunks(self) -> Iterator[Any]:
         """Yield the chunks, each with ``times_ns``."""
+
+
+class HasSteps(Protocol):
+    """A condition, or a part of one."""
+
+    def steps(self, search: Search) -> Steps:
+        """See `Condition`."""
 
 
 class Search:
@@ -45,11 +57,34 @@ class Search:
         """Topics, and steps that are YES while the topic is silent for too long."""
         self.read: dict[Any, frozenset[str]] = {}
         """For each condition that is a function, the topics that it read."""
-        self._met: list[tuple[NDArray[Any], ...]] = []
-        """Times, distances, indices and angles of the nearest readings while a condition was true."""
-        self._compared: dict[Any, list[tuple[NDArray[Any], ...]]] = {}
-        """For each condition, the times, ranks and numbers that it compared while it was true."""
+        self._is_negated = False
+        """True while the condition that is computed makes the whole one true by being false."""
+        self._new_notes: list[tuple[Any, list[NDArray[Any]]]] = []
+        """A condition, and times of samples, True for each sample with a note, and the columns of the notes."""
+        self._notes: list[_Notes] = []
         self._bar = bar
+
+    def steps_of(self, condition: HasSteps, *, is_negated: bool = False) -> Steps:
+        """Return the steps of a condition, and limit its notes to the times at which it makes the whole one true.
+
+        Args:
+            condition: the condition, or a part of it.
+            is_negated: True for the part of a condition that is true if this part is false.
+        """
+        before = len(self._notes)
+        self._is_negated ^= is_negated
+        result = condition.steps(self)
+        if self._new_notes:
+            who, parts = zip(*self._new_notes, strict=True)
+            times, has_note, *columns = (np.concatenate(column) for column in zip(*parts, strict=True))
+            ends = np.append(times[1:], _LAST)[has_note]  # a sample is in force until the next one
+            self._notes.append(_Notes(who[0], [times[has_note], ends, times[has_note], *columns]))
+            self._new_notes.clear()
+        if len(self._notes) > before:
+            when = np.array(spans(inverted(result) if self._is_negated else result, self.end_ns + 1), np.int64)
+            self._notes[before:] = [one.within(when.reshape(-1, 2)) for one in self._notes[before:]]
+        self._is_negated ^= is_negated
+        return result
 
     def over(self, series: Chunked, test: Callable[[Any], NDArray[np.int8]]) -> Steps:
         """Return the steps of a test that takes a chunk and returns a value for each sample; UNKNOWN if stale."""
@@ -76,29 +111,47 @@ class Search:
     def met(
         self,
         times: NDArray[np.int64],
+        has_note: NDArray[np.bool_],
         distances: NDArray[np.floating[Any]],
         indices: NDArray[np.integer[Any]],
         angles: NDArray[np.floating[Any]],
     ) -> None:
-        """Note the nearest readings in some scans, each array of shape (N,): nanoseconds, metres, indices, radians.
+        """Note the nearest readings of the scans for which a condition was true.
 
         Distances are as in `Scan.distance`, so 0 is too close to measure. Angles are kept within ±pi, as in `Ray`.
+
+        Args:
+            times: nanoseconds, of all scans.
+            has_note: True for the N scans with a note.
+            distances: metres, shape (N,).
+            indices: of the rays, shape (N,).
+            angles: radians, shape (N,).
         """
         within = np.where(np.abs(angles) > pi + ANGLE_ROUNDING, np.arctan2(np.sin(angles), np.cos(angles)), angles)
-        self._met.append((times, distances, indices, within))
+        self._note(_NEAREST, times, has_note, distances, indices, within)
 
     def compared(
-        self, by: Any, times: NDArray[np.int64], values: NDArray[np.float64], ranks: NDArray[np.float64]
+        self,
+        by: Any,
+        times: NDArray[np.int64],
+        has_note: NDArray[np.bool_],
+        values: NDArray[np.floating[Any]],
+        ranks: NDArray[np.floating[Any]],
     ) -> None:
-        """Note the numbers for which a condition was true, each array of shape (N,).
+        """Note the numbers for which a condition was true.
 
         Args:
             by: the condition.
-            times: nanoseconds.
-            values: the numbers.
-            ranks: the number with the lowest rank represents a span; of equal ranks, the first.
+            times: nanoseconds, of all samples.
+            has_note: True for the N samples with a note.
+            values: the numbers, shape (N,).
+            ranks: the number with the lowest rank represents a span; of equal ranks, the first. Shape (N,).
         """
-        self._compared.setdefault(by, []).append((times, ranks, values))
+        self._note(by, times, has_note, ranks, values)
+
+    def _note(self, by: Any, *columns: NDArray[Any]) -> None:
+        if not self._is_negated:
+            self._new_notes.append((by, [*columns]))
 
     def looked_at(self, count: int) -> None:
         """Advance the progress bar."""
@@ -118,8 +171,12 @@ class Search:
             (topic, np.array(spans(when, self.end_ns), np.int64).reshape(-1, 2)) for topic, when in self.silences
         ]
         start_ns = self.recording.start_ns or 0
-        nearest = _Least(self._met)
-        numbers = [_Least(parts) for parts in self._compared.values()]
+        when = np.array(found, np.int64).reshape(-1, 2)
+        noted: dict[Any, list[_Notes]] = {}
+        for one in self._notes:
+            noted.setdefault(one.by, []).append(one)
+        nearest = _least(noted.pop(_NEAREST, []), when)
+        numbers = [_least(notes, when) for notes in noted.values()]
         return [
             Span(
                 (a - start_ns) / 1e9,
@@ -128,52 +185,65 @@ class Search:
                 a,
                 b,
                 tuple(_silent(silences, a, b)),
-                *_met(nearest.between(a, stop)),
-                *_value(one.between(a, stop) for one in numbers),
+                *_met(nearest.get(i)),
+                *_value(one.get(i) for one in numbers),
             )
-            for a, stop in found
+            for i, (a, stop) in enumerate(found)
             for b in [min(stop, self.end_ns)]
         ]
 
 
-class _Least:
-    """Notes from the times when a condition was true. The note with the lowest rank represents a span.
+class _Notes(NamedTuple):
+    """Notes of samples in force while a condition was true.
 
-    Args:
-        parts: arrays of equal lengths: times, ranks, and more.
+    ``by``: the condition. ``columns``: start and end of each note, the time of its sample, its rank, and more.
     """
 
-    def __init__(self, parts: list[tuple[NDArray[Any], ...]]) -> None:
-        self._columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-        if self._columns:
-            order = np.argsort(self._columns[0], kind="stable")
-            self._columns = [column[order] for column in self._columns]
+    by: Any
+    columns: list[NDArray[Any]]
 
-    def between(self, start_ns: int, end_ns: int) -> list[Any] | None:
-        """Return the first of the lowest ranks in a span as one value of each array, or None without notes."""
-        if not self._columns:
-            return None
-        times, ranks = self._columns[:2]
-        first = np.searchsorted(times, start_ns)
-        last = np.searchsorted(times, max(end_ns, start_ns + 1))
-        if first == last:
-            return None
-        at = first + int(ranks[first:last].argmin())
-        return [column[at] for column in self._columns]
+    def within(self, when: NDArray[np.int64]) -> _Notes:
+        """Return the notes in some spans, shape (M, 2), each cut to its span."""
+        rows, place = _overlaps(self.columns[0], self.columns[1], when)
+        starts, ends, *more = (column[rows] for column in self.columns)
+        return _Notes(self.by, [np.maximum(starts, when[place, 0]), np.minimum(ends, when[place, 1]), *more])
+
+
+def _overlaps(
+    starts: NDArray[np.int64], ends: NDArray[np.int64], when: NDArray[np.int64]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return each pair of a note and a span that overlap, as indices. If start and end are equal, it lasts 1 ns."""
+    first = np.searchsorted(np.maximum(when[:, 1], when[:, 0] + 1), starts, side="right")
+    counts = np.searchsorted(when[:, 0], np.maximum(ends, starts + 1)) - first
+    rows = np.repeat(np.arange(len(starts)), counts)
+    return rows, np.arange(len(rows)) + np.repeat(first - np.cumsum(counts) + counts, counts)
+
+
+def _least(parts: list[_Notes], when: NDArray[np.int64]) -> dict[int, list[Any]]:
+    """Return the note with the lowest rank for each span that has notes, the first of equal ones: its columns."""
+    if not parts:
+        return {}
+    columns = [np.concatenate(column) for column in zip(*(one.columns for one in parts), strict=True)]
+    starts, ends, _, ranks, *_ = columns
+    rows, place = _overlaps(starts, ends, when)
+    order = np.lexsort((starts[rows], ranks[rows], place))
+    spans_with, first = np.unique(place[order], return_index=True)
+    best = rows[order[first]]
+    return {int(i): [column[row] for column in columns] for i, row in zip(spans_with, best, strict=True)}
 
 
 def _met(row: list[Any] | None) -> tuple[float | None, int | None, float | None, int | None]:
     """Return distance, index, angle and time of the nearest reading, or four times None without one."""
     if row is None:
         return None, None, None, None
-    time_ns, distance, index, angle = row
+    _, _, time_ns, distance, index, angle = row
     return shortest(distance), int(index), float(angle), int(time_ns)
 
 
 def _value(rows: Iterable[list[Any] | None]) -> tuple[float | None, int | None]:
     """Return the number of the first condition that compared one, and its time, or twice None."""
     row = next((row for row in rows if row is not None), None)
-    return (None, None) if row is None else (float(row[2]), int(row[0]))
+    return (None, None) if row is None else (float(row[4]), int(row[2]))
 
 
 def _silent(silences: list[tuple[str, NDArray[np.int64]]], start_ns: int, end_ns: int) -> dict[str, None]:

@@ -15,7 +15,7 @@ from ...kinds import KINDS, sample_names
 from ...messages.decoding import one_line
 from ...reasons.look import Look, Reasons
 from ...repair import RecordingError
-from ...samples import HasAge
+from ...samples import HasAge, Ray
 from ...samples.checks import number
 from ...samples.verdict import Verdict
 from ...widget.watch import Watch
@@ -241,6 +241,7 @@ class FunctionCondition(Condition):
         instant = Instant(recording.path.name, topics, now, recording.preferred)
         # One list, so that after an interrupt all times have values.
         rounds: list[tuple[int, int, frozenset[str]]] = []
+        calls: list[tuple[int, tuple[float, Ray] | None]] = []
         going_stale: dict[str, list[int]] = {t.name: [] for t in topics if t.widget and KINDS[t.widget].goes_stale}
         value = UNKNOWN
         used: frozenset[str] = frozenset()
@@ -252,7 +253,8 @@ class FunctionCondition(Condition):
                     break
                 now.put(time_ns, samples)
                 if not rounds or TIME in now.read or not now.read.isdisjoint(samples):
-                    value = self._call(instant, now, search)
+                    value, met = self._call(instant, now)
+                    calls.append((time_ns, met))
                     used = frozenset(now.read)
                     # One set for all samples for which the function read the same.
                     used = sets.setdefault(used, used)
@@ -267,6 +269,14 @@ class FunctionCondition(Condition):
             search.cut(rounds[-1][0] if rounds else recording.start_ns or 0)
         search.looked_at(looked)
         search.read[self] = frozenset().union(*sets)
+        rays = [met for _, met in calls if met]
+        search.met(
+            np.array([time_ns for time_ns, _ in calls], np.int64),
+            np.array([met is not None for _, met in calls], bool),
+            np.array([away for away, _ in rays], np.float64),
+            np.array([ray.index for _, ray in rays], np.int64),
+            np.array([ray.angle for _, ray in rays], np.float64),
+        )
         rests_on = (
             (np.array(came, np.int64), np.array([name in names for _, _, names in rounds], bool))
             for name, came in going_stale.items()
@@ -278,17 +288,15 @@ class FunctionCondition(Condition):
         """See `Condition`: the topics that the function read."""
         return [topic for topic in self.topics(search.recording, search.topics) if topic in search.read.get(self, ())]
 
-    def _call(self, instant: Instant, now: Now, search: Search) -> int:
+    def _call(self, instant: Instant, now: Now) -> tuple[int, tuple[float, Ray] | None]:
+        """Return the value of the function, and the distance and the ray to the nearest thing if it is true."""
         now.read.clear()
         try:
             result, reasons = self._result(instant)
             value = reasons.value(result)
-            if value and (met := reasons.met()):
-                away, ray = met
-                search.met(np.array([now.time_ns]), np.array([away]), np.array([ray.index]), np.array([ray.angle]))
-            return _code(value)
+            return _code(value), reasons.met() if value else None
         except NoSampleYetError:
-            return UNKNOWN
+            return UNKNOWN, None
         except UnnamedTopicError:
             raise
         except Exception as error:
@@ -407,7 +415,7 @@ class _Joined(_OfParts):
         self._word, self._how = word, how
 
     def steps(self, search: Search) -> Steps:
-        return combined([part.steps(search) for part in self._parts], self._how)
+        return combined([search.steps_of(part) for part in self._parts], self._how)
 
     def possible(self, rows: SecondRows) -> Possible:
         true, false = zip(*(part.possible(rows) for part in self._parts), strict=True)
@@ -432,7 +440,7 @@ class _Joined(_OfParts):
 
 class _Not(_OfParts):
     def steps(self, search: Search) -> Steps:
-        return inverted(self._part.steps(search))
+        return inverted(search.steps_of(self._part, is_negated=True))
 
     def possible(self, rows: SecondRows) -> Possible:
         true, false = self._part.possible(rows)
@@ -472,7 +480,7 @@ class _OfSpans(_OverTime):
         """Return True for each span that counts, of its start and its end in nanoseconds, shape (N,) each."""
 
     def steps(self, search: Search) -> Steps:
-        part = self._part.steps(search)
+        part = search.steps_of(self._part)
         found = np.array(spans(part, search.end_ns), np.int64).reshape(-1, 2)
         if not len(found):
             return part
@@ -529,7 +537,7 @@ class _Within(_OverTime):
         self._seconds = seconds
 
     def steps(self, search: Search) -> Steps:
-        part, after = (one.steps(search) for one in self._parts)
+        part, after = (search.steps_of(one) for one in self._parts)
         longer = round(self._seconds * 1e9)
         edges: list[tuple[int, int]] = []
         for start, end in spans(after, search.end_ns):

@@ -24,7 +24,7 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
     with Progress(total, "Finding", " samples") as bar, without_bars():
         search = Search(recording, topics, bar)
         try:
-            result = wanted.steps(search)
+            result = search.steps_of(wanted)
         except KeyboardInterrupt:
             # An interrupt within a condition on whole columns: it is unknown at all times.
             search.cut(start_ns)

@@ -369,13 +369,35 @@ def test_a_reason_loses_the_name_of_its_recording_and_no_other_word() -> None:
     assert list(not_read(unread)) == ["not read: scan, a, b.bag: no /scan in . A scanner was lost"]
 
 
+def test_a_command_in_a_reason_keeps_its_file_or_names_a_stand_in_for_several() -> None:
+    problem = "{0}: a bag of format 1.2; `rosbag filter {0} new.bag True` writes it as 2.0, {0} stays"
+    unread = [Unread(f"/runs/{name}", problem.format(name)) for name in ("a.bag", "b.bag")]
+    assert list(not_read(unread[:1])) == [
+        "not read: a.bag: a bag of format 1.2; `rosbag filter a.bag new.bag True` writes it as 2.0,  stays"
+    ]
+    assert list(not_read(unread)) == [
+        "not read: a.bag, b.bag: a bag of format 1.2; `rosbag filter FILE new.bag True` writes it as 2.0,  stays"
+    ]
+
+
 def test_printed_it_names_files_without_their_common_folder_and_what_was_not_read(runs: Path) -> None:
     text = repr(find(NEAR, runs, executor=Here()))
     assert text.startswith("nearest below 0.3 m: ")
     assert "\n  monday/run_1.mcap  /scan" in text
     assert "\n! not read: broken.bag: " in text
     never = repr(find(conditions.nearest_below(0.001), runs, executor=Here()))
-    assert never.startswith("nearest below 0.001 m: never in 4 files")
+    assert never.startswith("nearest below 0.001 m: never in 3 files, 1 not searched\n")
+
+
+def test_only_files_that_were_searched_are_counted_as_searched(runs: Path) -> None:
+    some = repr(find(NEAR, runs, executor=Here())).splitlines()[0]
+    assert some.endswith(" in 3 of 3 files, 1 not searched")
+    none = repr(find(NEAR, runs / "broken.bag", runs / "missing.mcap", executor=Here())).splitlines()[0]
+    assert none == "nearest below 0.3 m: none of 2 files searched"
+    other = repr(find(conditions.nearest_below(0.3, topic="/rear"), runs, executor=Here())).splitlines()[0]
+    assert other == "nearest below 0.3 m: none of 4 files searched"
+    whole = repr(find(NEAR, runs / "run_2.mcap", executor=Here())).splitlines()[0]
+    assert whole.endswith(" in 1 of 1 file")
 
 
 def test_a_function_that_cannot_be_sent_is_refused_with_the_reason(runs: Path) -> None:

@@ -21,6 +21,7 @@ from robowidgets.recordings.search.base import condition
 from robowidgets.sheet_widget import SheetWidget
 
 from ..pages import from_page, synced
+from ..recordings import recorded, sweeps
 from .executors import Here
 
 JS = Path(__file__).parents[2] / "js" / "sheet.test.ts"
@@ -307,3 +308,21 @@ def test_a_table_grows_below_the_cell_while_a_search_runs_and_stands_for_the_res
     run = ("cell", "second run")
     assert "<td" in found._repr_html_()
     sheet.close()
+
+
+def test_a_picture_lights_the_rays_of_a_scan_that_came_before_its_span(tmp_path: Path) -> None:
+    seen = {0.0: [2.0, 0.2, 0.25, 3.0], 1.0: [2.0, 0.28, 3.0, 3.0], 2.0: [2.0, 3.0, 3.0, 3.0]}
+    rows = [
+        *((at, "/scan", sweeps.scan(sweeps.START_NS, ranges)) for at, ranges in seen.items()),
+        *((at, "/on", {"data": at == 0.5}) for at in (0.0, 0.5, 1.5)),
+    ]
+    topics = {"/scan": sweeps.TYPE, "/on": "std_msgs/msg/Bool"}
+    path = recorded.write(tmp_path / "drive", topics, sorted(rows, key=lambda row: row[0]))
+    wanted = NEAR & (conditions.field("/on.data") == True)  # noqa: E712  # a condition
+    found = find(wanted, path, executor=Here())
+    (hit,) = found
+    assert (hit.start, hit.end, hit.index, hit.moment) == (0.5, 1.5, 1, 0.5)
+    with robowidgets.open(path) as recording:
+        (picture,) = made(recording, found, wanted)
+    assert ((picture.values & 0x8000) != 0).tolist() == [False, True, True, False]
+    assert picture.words == "0.20 < 0.30 m · True = True"

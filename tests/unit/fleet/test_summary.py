@@ -55,6 +55,20 @@ def test_bars_show_which_drive_went_far_and_came_near() -> None:
     assert 'rgba(128,128,128,.3) 65%,transparent 65%)">13.0 m</td>' in made._repr_html_()
 
 
+def test_the_sum_of_the_ways_covers_only_drives_with_a_way() -> None:
+    row = {"file": "/runs/a.bag", "seconds": 1.0, "start_ns": None, "stops": 0, "touches": 0, "nearest": None}
+    row["nearest_at"] = None
+
+    def heading(*ways: float | None) -> str:
+        found = [{**row, "driven": way} for way in ways]
+        return repr(Summary(found, files=["/runs/a.bag"])).splitlines()[0]
+
+    assert heading(2.0, 0.5) == "2 recordings, 2.0 s, 2.5 m driven"
+    assert heading(2.0, None, 0.5) == "3 recordings, 3.0 s, 2.5 m driven in 2 of them"
+    assert heading(0.0) == "1 recording, 1.0 s, 0.0 m driven"
+    assert heading(None, None) == "2 recordings, 2.0 s"
+
+
 def test_problems_that_differ_by_their_numbers_are_one_kind(runs: Path) -> None:
     whole = robowidgets.SAMPLE.read_bytes()
     (runs / "run_2.mcap").write_bytes(whole[: len(whole) // 2])

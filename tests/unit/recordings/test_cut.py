@@ -270,8 +270,12 @@ def test_a_failure_leaves_no_file_under_the_final_name(tmp_path: Path, monkeypat
 
 def test_what_cannot_be_cut_is_refused(tmp_path: Path) -> None:
     with robowidgets.open(bag(tmp_path)) as recording:
-        with pytest.raises(ValueError, match=r"drive\.bag: no message from 7\.000 s to 8\.000 s; it has 4\.900 s"):
+        with pytest.raises(ValueError, match=r"^start: expected seconds from 0 to 4\.90, got 7$"):
             recording[7:8].to_mcap(tmp_path / "cut.mcap")
+        with pytest.raises(ValueError, match=r"^end: expected seconds from 0 to 4\.90, got -1$"):
+            recording[:-1].to_mcap(tmp_path / "cut.mcap")
+        with pytest.raises(ValueError, match=r"drive\.bag: no message from 2\.010 s to 2\.020 s; name a longer span"):
+            recording[2.01:2.02].to_mcap(tmp_path / "cut.mcap")
         with pytest.raises(ValueError, match=r"name that ends in \.mcap, got 'cut\.bag'"):
             recording[2:4].to_mcap("cut.bag")
         part = recording[2:4]
@@ -291,9 +295,14 @@ def test_the_command_writes_a_cut(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert main(["cut", path, "--start", "2", "-o", out]) == 2
     assert "exists; name another file, or replace it with --force" in capsys.readouterr().err
     assert main(["cut", path, "--start", "2", "-o", out, "--force"]) == 0
-    for arguments in (["--start", "4", "--end", "2"], ["--start", "70"], ["--start", "nan"]):
-        assert main(["cut", path, *arguments, "-o", out, "--force"]) == 2
-        assert capsys.readouterr().err.startswith("robowidgets: cut: ")
+    for arguments, problem in (
+        (["--start", "4", "--end", "2"], "--end: expected seconds from the start of the recording, 4 or more, got 2"),
+        (["--start", "70"], "--start: expected seconds from 0 to 4.90, got 70"),
+        (["--start", "nan"], "--start: expected seconds from the start of the recording, got nan"),
+        (["-o", out + ".bag"], f"expected a name that ends in .mcap, got '{out}.bag'"),
+    ):
+        assert main(["cut", path, "-o", out, *arguments, "--force"]) == 2
+        assert capsys.readouterr().err == f"robowidgets: cut: {problem}\n"
 
 
 @pytest.mark.slow

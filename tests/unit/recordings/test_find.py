@@ -18,6 +18,7 @@ from robowidgets.behaviors import Drive
 from robowidgets.behaviors.simulation import ProgramRun
 from robowidgets.kinds import KINDS
 from robowidgets.laser.row import LASER
+from robowidgets.reasons.look import Reasons
 from robowidgets.recordings import UnknownTopicError
 from robowidgets.recordings.search import _stops, base
 from robowidgets.recordings.search._search import Search
@@ -358,7 +359,7 @@ class TestInterrupts:
         [
             (near, Now, "put", 2.8),
             (near, FunctionCondition, "_result", 2.8),
-            (near, Search, "met", 2.8),
+            (near, Reasons, "met", 2.8),
             (near, Search, "looked_at", 2.9),
             (conditions.stops(stands, rate=10), Now, "put", 2.8),
             (conditions.stops(stands, rate=10), ProgramRun, "step", 2.8),
