@@ -170,3 +170,27 @@ def test_what_is_computed_in_later_passes_is_not_in_the_row_of_an_earlier_one() 
     (passes,) = passes_of(call)
     assert [row for row in passes.rows if "x" in row] == ["6: i 5 · line 3 True · x 5", "16: i 15 · line 3 True · x 15"]
     assert lines_of(call)[-1].times == 10
+
+
+@pytest.mark.parametrize("first", [20, 25, 29])
+def test_a_line_that_only_late_passes_reach_has_its_last_value_and_how_often(first: int) -> None:
+    (call,) = step_of(f"for i in range(30):\n    if i >= {first}:\n        x = i").calls
+    assert lines_of(call)[-1] == LineValues(3, "29", times=30 - first, kind=NUMBER, level=29.0)
+    (passes,) = passes_of(call)
+    assert (passes.times, len(passes.rows), any("x" in row for row in passes.rows)) == (30, 20, False)
+
+
+def test_a_loop_that_only_late_passes_reach_has_its_values_and_no_rows() -> None:
+    body = "for i in range(30):\n    if i > 25:\n        for j in 'ab':\n            x = 2 * i\n    y = i"
+    (call,) = step_of(body).calls
+    found = {line.number: line for line in lines_of(call)}
+    assert [(found[number].value, found[number].times) for number in (3, 4, 5)] == [("'ab'", 4), ("58", 8), ("29", 30)]
+    assert [passes.number for passes in passes_of(call)] == [1]
+
+
+def test_the_rows_of_an_inner_loop_end_with_those_of_the_loop_around_it() -> None:
+    (call,) = step_of("for i in range(30):\n    while i % 15 == 10:\n        i += 5\n        if i > 20: x = i").calls
+    found = {line.number: line for line in lines_of(call)}
+    assert (found[3].value, found[4].value, found[4].times) == ("30", "30", 2)
+    _, inner = passes_of(call)
+    assert (inner.rows, inner.times) == (("11.1: i 15 \N{MIDDLE DOT} line 5 False",), 2)
