@@ -14,6 +14,8 @@ from ...reasons.look import LookHooks, Note, Reasons
 from ...reasons.looker import LineLooker
 from ...reasons.places import FunctionSource
 from ...reasons.rewriting import NoteCall, Notes, NotRewrittenError, Rewritten, function_in, rewritten
+from ...runtime.policies import NO_RETURN
+from ...runtime.user_threads import is_abandoned
 from .noting import CallNotes, Notebook
 
 MOST_STEPS = 600
@@ -316,7 +318,9 @@ def _error_in(source: FunctionSource, error: BaseException) -> tuple[str, int | 
         if code.co_filename == source.file and source.first <= traceback.tb_lineno < end:
             line = traceback.tb_lineno
         traceback = traceback.tb_next
-    return error_text(error), line
+    # `UserThread.end` raised it, and not the function.
+    is_ended = isinstance(error, SystemExit) and is_abandoned()
+    return NO_RETURN if is_ended else error_text(error), line
 
 
 def error_text(error: BaseException) -> str:
