@@ -43,6 +43,30 @@ def avoid(scan):
 """
 
 
+LONG = """@robot.program(rate=20)
+def avoid(scan):
+    front = scan.distance("front")
+    if front > 0.1:
+        if (front < 0.5 and scan.distance("left") < 0.5) or scan.distance("right") < 0.3 or scan.distance("back") < 0.2:
+            turn = 0.8
+        near = min(scan.distance("left"), scan.distance("right"), scan.distance("back"), scan.distance("front"), front)
+    return Drive(0.2)
+"""
+COLUMNS = """code => {
+  const text = document.createRange();
+  text.selectNodeContents(code);
+  const rects = [...text.getClientRects()].filter(({ width }) => width);
+  const top = Math.min(...rects.map(rect => rect.bottom));
+  const probe = code.appendChild(document.createElement("span"));
+  probe.textContent = "0".repeat(10);
+  const letter = probe.getBoundingClientRect().width / 10;
+  probe.remove();
+  const rest = rects.filter(rect => rect.top >= top - 1).map(rect => rect.left);
+  return [rects[0].left, ...(rest.length ? [Math.min(...rest)] : [])]
+    .map(left => Math.round((left - code.getBoundingClientRect().left) / letter));
+}"""
+
+
 def line(widget: Locator, number: int) -> Locator:
     return widget.locator(".rw-line").nth(number - 1)
 
@@ -75,6 +99,20 @@ def test_each_line_has_its_values_and_the_other_branch_is_not_reached(plain_page
     nb.python("robot.variables.near = 0.2")
     expect(values(widget, 9)).to_have_text("not reached")
     expect(values(widget, 10)).to_have_text("Drive(0.2)")
+
+
+@pytest.mark.parametrize(("width", "rest"), [(400, 10), (848, 12)])
+def test_the_rest_of_a_wrapped_line_is_indented_more_than_its_line(
+    plain_page: Callable[..., PlainPage], width: int, rest: int
+) -> None:
+    nb = plain_page([OPEN, LONG], width=width, scale=2)
+    widget = nb.widget(0, 1)
+    expect(values(widget, 8)).to_have_text("Drive(0.2)")
+    for theme in ("light", "dark"):
+        nb.theme(theme)
+        shoot(widget, f"lines-wrapped-{width}-{theme}")
+    columns = [line(widget, number).locator(".rw-line-code").evaluate(COLUMNS) for number in (5, 7)]
+    assert columns == [[0, rest], [0, rest]]
 
 
 def test_a_frozen_picture_steps_through_single_steps_with_the_laser(plain_page: Callable[..., PlainPage]) -> None:
