@@ -115,6 +115,15 @@ def test_the_rest_of_a_wrapped_line_is_indented_more_than_its_line(
     assert columns == [[0, rest], [0, rest]]
 
 
+def test_details_become_shorter_before_indices_and_these_before_the_value(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([OPEN, LONG], width=848)
+    widget = nb.widget(0, 1)
+    expect(values(widget, 8)).to_have_text("Drive(0.2)")
+    for number, text in ((5, ".rw-line-value"), (5, ".rw-line-index"), (7, ".rw-line-value")):
+        value = line(widget, number).locator(text)
+        assert value.evaluate("({ scrollWidth, clientWidth }) => scrollWidth - clientWidth") == 0
+
+
 def test_a_frozen_picture_steps_through_single_steps_with_the_laser(plain_page: Callable[..., PlainPage]) -> None:
     nb = plain_page([OPEN, AVOID], width=760)
     laser, widget = nb.widget(0), nb.widget(0, 1)
