@@ -159,7 +159,7 @@ def _sector_text(place: NotedPlace) -> str:
 def _comparison(notes: CallNotes, seen: Noted) -> str:
     place = notes.source.places[seen.place]
     left, right = (_side(notes, side, seen) for side in place.operands)
-    text = " ".join((*_sides(left, place.relation, right),))
+    text = " ".join(_sides(left, "==" if place.relation == "=" else place.relation, right))
     # The value of a whole test stands before it.
     return text if place.kind != COMPARE or type(seen.value) is not bool else f"{text} is {seen.value}"
 

@@ -90,6 +90,8 @@ def _glimpse(value: Any, kind: type, depth: int) -> Any:
         return float.__float__(value) if issubclass(kind, float) else int.__int__(value)
     if kind is np.ndarray:
         return _glimpse_of_array(value)
+    if kind is range:
+        return Glimpse(repr(value)[:LONGEST], brackets="word")
     if depth < _DEEPEST:
         for base, brackets in ((list, "[]"), (tuple, "()"), (set, "{}"), (frozenset, "{}"), (deque, "[]")):
             if issubclass(kind, base):

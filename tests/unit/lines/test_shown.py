@@ -103,8 +103,23 @@ def test_a_test_shows_what_was_compared_and_the_other_branch_is_not_there() -> N
 
 def test_parts_of_a_condition_are_shown() -> None:
     found = lines("if a < 1 and go and not (b == 'x'):\n    pass\nx = 1 if a > b_ else 2", a=0.5, go=True, b="y", b_=1)
-    assert found[1].details == ("0.50 < 1.00 is True", "go is True", "'y' = 'x' is False")
+    assert found[1].details == ("0.50 < 1.00 is True", "go is True", "'y' == 'x' is False")
     assert found[3] == LineValues(3, "2", ("0.50 > 1.00 is False",), kind=NUMBER, level=2.0)
+
+
+def test_a_comparison_has_the_sign_of_the_code() -> None:
+    found = lines("if a == None:\n    pass\nif a is None:\n    pass\nb = a == 0.5\nc = a != 0.5", a=2.758)
+    assert [found[number].details for number in (1, 3, 5, 6)] == [
+        ("2.758 == None",),
+        ("2.758 is None",),
+        ("2.76 == 0.50",),
+        ("2.76 \N{NOT EQUAL TO} 0.50",),
+    ]
+
+
+def test_a_range_is_shown_with_its_numbers() -> None:
+    found = lines("for i in range(len(scan.ranges)):\n    pass\na = [range(9, 0, -2)]\nb = range(10**9999)", scan=SCAN)
+    assert [found[number].value for number in (1, 3, 4)] == ["range(0, 5)", "[range(9, 0, -2)]", "<range>"]
 
 
 def test_several_names_have_their_values() -> None:
