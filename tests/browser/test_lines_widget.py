@@ -66,6 +66,14 @@ COLUMNS = """code => {
     .map(left => Math.round((left - code.getBoundingClientRect().left) / letter));
 }"""
 
+FORGETS = """@robot.program(rate=20)
+def avoid(scan):
+    if scan.distance() > 0:
+        Drive(0.2)
+    else:
+        Drive(0, 1.0)
+"""
+
 
 def line(widget: Locator, number: int) -> Locator:
     return widget.locator(".rw-line").nth(number - 1)
@@ -188,6 +196,16 @@ def test_arrows_walk_the_lines_and_one_line_is_left_of_a_folded_card(plain_page:
     assert nb.python("lines.folded").strip() == "True"
     widget.get_by_role("button", name="Show the lines").press("Enter")
     expect(widget.locator(".rw-picture")).to_be_visible()
+
+
+def test_a_step_without_return_says_that_its_speed_is_not_returned(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([OPEN, FORGETS], width=848, scale=2)
+    widget = nb.widget(0, 1)
+    expect(values(widget, 4)).to_have_text("Drive(0.2), not returned")
+    shoot(widget, "lines-not-returned")
+    widget.get_by_role("button", name="Show one line only").click()
+    expect(widget.locator(".rw-facts")).to_contain_text("returned None, keeps its speed")
+    shoot(widget, "lines-not-returned-folded")
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

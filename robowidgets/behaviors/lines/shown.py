@@ -12,7 +12,7 @@ from ...reasons.places import COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, T
 from ...samples import Ray, Scan
 from ...samples.sector import ALL_ROUND
 from .noting import CallNotes, Noted
-from .values import Glimpse, number_text, text_of
+from .values import Glimpse, is_result, number_text, text_of
 from .watch import WatchedCall
 
 MOST_ROWS = 20
@@ -125,7 +125,8 @@ def _value(notes: CallNotes, seen: Noted) -> str:
         of = _side(notes, place.operands[0], seen)
         # A distance of an object of the user's has another unit, perhaps; of a depth image only the name is kept.
         return text_of(value, "m" if type(of) is Scan or of == Glimpse("Image") else "")
-    return text_of(value)
+    # A forgotten `return`.
+    return text_of(value) + ", not returned" * (place.kind == EFFECT and is_result(value))
 
 
 def _level(value: Any) -> tuple[str, float | None]:

@@ -62,6 +62,7 @@ class WatchedStep:
         at: the monotonic time at which it began.
         calls: the calls of the user's functions, in their order.
         given: the numbers that the step got, with their parameters.
+        returned_none: True if it returned None.
     """
 
     program: tuple[str, int]
@@ -70,6 +71,7 @@ class WatchedStep:
     at: float
     calls: list[WatchedCall]
     given: list[tuple[str, Any]]
+    returned_none: bool
 
 
 class LineWatch:
@@ -145,16 +147,20 @@ class LineWatch:
         began = time.monotonic()
         if self.keep is not None:
             self.keep(program, made_at[1], function, values)
+        result: Any = self
+        """None only if the function returned it."""
         try:
             if _calls_functions(function):
                 function.lines = self  # type: ignore[attr-defined]
-                return function(*samples, **values)
-            return self.call(function, values, *samples)
+                result = function(*samples, **values)
+            else:
+                result = self.call(function, values, *samples)
+            return result
         finally:
             given = [(name, value) for name, value in values.items() if type(value) in _SHOWN]
             number, seconds = made_at
             if self._calls is calls:  # else it was abandoned, and another one has begun
-                step = self.newest = WatchedStep(program, number, seconds, began, calls, given)
+                step = self.newest = WatchedStep(program, number, seconds, began, calls, given, result is None)
                 for queue in self._views:
                     queue.append(step)
 

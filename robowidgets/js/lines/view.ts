@@ -123,7 +123,12 @@ export class LinesView {
     const said =
       mode === "running" ? "" : mode !== "replaced" ? mode : isAhead ? "no step yet" : "a newer version is in force";
     this.#card.update(
-      [version ? `v${code.version ?? version}` : "", ...facts, said, isFolded ? summaryOf(step, code) : ""],
+      [
+        version ? `v${code.version ?? version}` : "",
+        ...facts,
+        said,
+        isFolded ? summaryOf(step, code, span ? "" : ", keeps its speed") : "",
+      ],
       "step",
       false,
     );
@@ -525,7 +530,7 @@ class Section {
     this.#cell.append(this.#cellWords, this.#put);
   }
 
-  /** Shows that the changed lines are in the cell, so that there is nothing left to put. */
+  /** Shows that the changed lines are in the cell. */
   sayInCell(): void {
     this.#put.disabled = true;
     this.sayOfCell("in the cell now; the robot has this version already");
@@ -601,11 +606,15 @@ function toLit(line: Line | undefined): Lit[] {
   return rays.map(([runs, nearest, frame]) => ({ runs, nearest, frame }));
 }
 
-/** Returns the return value of a step, for a folded card. */
-function summaryOf(step: Step | null, { functions = [] }: VersionCode): string {
+/**
+ * Returns the return value of a step, for a folded card.
+ * @param keeps the effect of None
+ */
+function summaryOf(step: Step | null, { functions = [] }: VersionCode, keeps: string): string {
   const call = step?.calls.find(({ error }) => error) ?? step?.calls.at(-1);
   const { texts = [], first = 1 } = functions.find(({ key }) => key === call?.key) ?? {};
   if (call?.error) return `line ${first + call.error[0]}: ${call.error[1]}`;
+  if (call && step?.none) return `returned None${keeps}`;
   const last = call?.lines.filter(([number]) => /^\s*return\b/.test(texts[number] ?? "")).at(-1);
   return last ? `line ${first + last[0]}: ${last[1]}` : "";
 }

@@ -108,13 +108,30 @@ def test_parts_of_a_condition_are_shown() -> None:
 
 
 def test_a_comparison_has_the_sign_of_the_code() -> None:
-    found = lines("if a == None:\n    pass\nif a is None:\n    pass\nb = a == 0.5\nc = a != 0.5", a=2.758)
+    found = lines("if a == None:\n    pass\nif a is True:\n    pass\nb = a == 0.5\nc = a != 0.5", a=2.758)
     assert [found[number].details for number in (1, 3, 5, 6)] == [
         ("2.758 == None",),
-        ("2.758 is None",),
+        ("2.758 is True",),
         ("2.76 == 0.50",),
         ("2.76 \N{NOT EQUAL TO} 0.50",),
     ]
+
+
+def test_a_speed_that_is_the_whole_of_a_statement_is_not_returned() -> None:
+    found = lines("Drive(0.2)\nfor i in 'a':\n    Drive(0, 1.0)\nreturn Drive(0.3)")
+    assert [found[number].value for number in (1, 3, 4)] == [
+        "Drive(0.2), not returned",
+        "Drive(0, 1), not returned",
+        "Drive(0.3)",
+    ]
+    (call,) = step_of("for i in 'a':\n    Drive(0, 1.0)").calls
+    assert passes_of(call)[0].rows == ("1: i 'a' \N{MIDDLE DOT} Drive(0, 1), not returned",)
+
+
+@pytest.mark.parametrize(("body", "returns_none"), [("Drive(0.2)", True), ("return a", False), ("1 / 0", False)])
+def test_a_step_knows_that_it_returned_none(body: str, returns_none: bool) -> None:
+    step = step_of(body, a=1)
+    assert (step.returned_none, packed_step(step)["none"]) == (returns_none, returns_none)
 
 
 def test_a_range_is_shown_with_its_numbers() -> None:
