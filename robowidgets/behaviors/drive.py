@@ -50,7 +50,7 @@ def _short_text(drive: Drive) -> str:
     return f"Drive({linear}{f', {angular}' if drive.angular or sideways else ''}{sideways})"
 
 
-keep(Drive, _short_text)  # as a value of a line
+keep(Drive, _short_text, is_result=True)  # as a value of a line
 
 STANDSTILL = Drive()
 

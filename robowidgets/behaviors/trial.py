@@ -109,7 +109,7 @@ def why_not_tried(function: Function) -> str:
     """
     for one in functions_in(function):
         if effect := effect_of(one):
-            return f"{getattr(one, '__name__', 'it')} is not tried: {effect}"
+            return f"{getattr(one, '__name__', 'it')} may not be tried, because {effect}"
     return ""
 
 

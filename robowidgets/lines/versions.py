@@ -44,7 +44,8 @@ class ComparedVersions:
             step_s: the seconds that a step takes.
         """
         head = {"key": f"{name} {new.number}", "old": old.number, "new": new.number}
-        why = why_not_tried(old.function) or why_not_tried(new.function)
+        whys = (f"in version {one.number}, {why}" for one in (old, new) if (why := why_not_tried(one.function)))
+        why = next(whys, "")
         steps: list[KeptStep] = []
         if not why:
             asked = tuple(dict.fromkeys((*old.asks_for, *new.asks_for)))

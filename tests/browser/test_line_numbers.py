@@ -91,6 +91,7 @@ def test_a_number_is_dragged_drives_is_taken_back_and_goes_into_its_cell(noteboo
     assert source(nb, 1).rstrip() == AVOID.replace("Drive(0.2)", "Drive(0.3)").rstrip()
     assert source(nb, 0).strip() == OPEN.strip()
     expect(widget.locator(".rw-lines-cell")).to_contain_text("in the cell now")
+    expect(widget.get_by_role("button", name="Put into the cell")).to_be_disabled()
 
     # Part of the steps would have been others.
     literal(widget, "0.6").focus()

@@ -43,6 +43,38 @@ def avoid(scan):
 """
 
 
+LONG = """@robot.program(rate=20)
+def avoid(scan):
+    front = scan.distance("front")
+    if front > 0.1:
+        if (front < 0.5 and scan.distance("left") < 0.5) or scan.distance("right") < 0.3 or scan.distance("back") < 0.2:
+            turn = 0.8
+        near = min(scan.distance("left"), scan.distance("right"), scan.distance("back"), scan.distance("front"), front)
+    return Drive(0.2)
+"""
+COLUMNS = """code => {
+  const text = document.createRange();
+  text.selectNodeContents(code);
+  const rects = [...text.getClientRects()].filter(({ width }) => width);
+  const top = Math.min(...rects.map(rect => rect.bottom));
+  const probe = code.appendChild(document.createElement("span"));
+  probe.textContent = "0".repeat(10);
+  const letter = probe.getBoundingClientRect().width / 10;
+  probe.remove();
+  const rest = rects.filter(rect => rect.top >= top - 1).map(rect => rect.left);
+  return [rects[0].left, ...(rest.length ? [Math.min(...rest)] : [])]
+    .map(left => Math.round((left - code.getBoundingClientRect().left) / letter));
+}"""
+
+FORGETS = """@robot.program(rate=20)
+def avoid(scan):
+    if scan.distance() > 0:
+        Drive(0.2)
+    else:
+        Drive(0, 1.0)
+"""
+
+
 def line(widget: Locator, number: int) -> Locator:
     return widget.locator(".rw-line").nth(number - 1)
 
@@ -75,6 +107,29 @@ def test_each_line_has_its_values_and_the_other_branch_is_not_reached(plain_page
     nb.python("robot.variables.near = 0.2")
     expect(values(widget, 9)).to_have_text("not reached")
     expect(values(widget, 10)).to_have_text("Drive(0.2)")
+
+
+@pytest.mark.parametrize(("width", "rest"), [(400, 10), (848, 12)])
+def test_the_rest_of_a_wrapped_line_is_indented_more_than_its_line(
+    plain_page: Callable[..., PlainPage], width: int, rest: int
+) -> None:
+    nb = plain_page([OPEN, LONG], width=width, scale=2)
+    widget = nb.widget(0, 1)
+    expect(values(widget, 8)).to_have_text("Drive(0.2)")
+    for theme in ("light", "dark"):
+        nb.theme(theme)
+        shoot(widget, f"lines-wrapped-{width}-{theme}")
+    columns = [line(widget, number).locator(".rw-line-code").evaluate(COLUMNS) for number in (5, 7)]
+    assert columns == [[0, rest], [0, rest]]
+
+
+def test_details_become_shorter_before_indices_and_these_before_the_value(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([OPEN, LONG], width=848)
+    widget = nb.widget(0, 1)
+    expect(values(widget, 8)).to_have_text("Drive(0.2)")
+    for number, text in ((5, ".rw-line-value"), (5, ".rw-line-index"), (7, ".rw-line-value")):
+        value = line(widget, number).locator(text)
+        assert value.evaluate("({ scrollWidth, clientWidth }) => scrollWidth - clientWidth") == 0
 
 
 def test_a_frozen_picture_steps_through_single_steps_with_the_laser(plain_page: Callable[..., PlainPage]) -> None:
@@ -141,6 +196,16 @@ def test_arrows_walk_the_lines_and_one_line_is_left_of_a_folded_card(plain_page:
     assert nb.python("lines.folded").strip() == "True"
     widget.get_by_role("button", name="Show the lines").press("Enter")
     expect(widget.locator(".rw-picture")).to_be_visible()
+
+
+def test_a_step_without_return_says_that_its_speed_is_not_returned(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([OPEN, FORGETS], width=848, scale=2)
+    widget = nb.widget(0, 1)
+    expect(values(widget, 4)).to_have_text("Drive(0.2), not returned")
+    shoot(widget, "lines-not-returned")
+    widget.get_by_role("button", name="Show one line only").click()
+    expect(widget.locator(".rw-facts")).to_contain_text("returned None, keeps its speed")
+    shoot(widget, "lines-not-returned-folded")
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

@@ -77,7 +77,7 @@ const AFTER = ["def go(scan):", "    if scan.distance() < 0.75:", "        retur
 
 test("lines are replaced in the one cell that has them, and nowhere else", () => {
   const cells = ["import a\n", `x = 1\n${BEFORE.join("\n")}\n\ny = 2`, "def go(scan):"].map((text) => editorOf(text));
-  assert.equal(replaceIn(cells, BEFORE, AFTER), true);
+  assert.equal(replaceIn(cells, [["gone", "", "", ""], BEFORE], AFTER), "");
   assert.deepEqual(
     cells.map(({ text }) => text),
     ["import a\n", `x = 1\n${AFTER.join("\n")}\n\ny = 2`, "def go(scan):"],
@@ -85,17 +85,22 @@ test("lines are replaced in the one cell that has them, and nowhere else", () =>
   assert.equal(changedLines(BEFORE, AFTER), `${AFTER[1]}\n${AFTER[3]}`);
 });
 
-test("no cell changes if none or several have the lines, or if it is read-only", () => {
+test("no cell changes if none or several have the lines, or if it is read-only, and the reason is the true one", () => {
   const text = BEFORE.join("\n");
-  for (const texts of [[], ["x"], [text, text], [`${text}\n${text}`], [`${text}5`], [`y = ${text}`]]) {
+  for (const [why, ...texts] of [
+    ["its cell cannot be reached from here"],
+    ["its cell cannot be reached from here", "x", `${text}5`, `y = ${text}`],
+    ["more than one cell of this page contains its function", "x", text, text],
+    ["its cell contains its function more than once", `${text}\n${text}`],
+  ]) {
     const cells = texts.map((one) => editorOf(one));
-    assert.equal(replaceIn(cells, BEFORE, AFTER), false);
+    assert.equal(replaceIn(cells, [BEFORE], AFTER), why);
     assert.deepEqual(
       cells.map((one) => one.text),
       texts,
     );
   }
-  assert.equal(replaceIn([editorOf(text, true)], BEFORE, AFTER), false);
+  assert.equal(replaceIn([editorOf(text, true)], [BEFORE], AFTER), "its cell is read-only");
 });
 
 test("the state of a number has words", () => {

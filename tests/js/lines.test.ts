@@ -35,7 +35,14 @@ function frameOf(key: string, ...levels: (number | null)[]): Steps {
   const steps = levels.map((level, i): Step => {
     const line: Line = [1, "", [], 1, "number", level, []];
     const lines = level === null ? [] : [line];
-    return { number: i, time: i, at: i, given: [], calls: [{ key: "f 1", lines, loops: [], error: null }] };
+    return {
+      number: i,
+      time: i,
+      at: i,
+      given: [],
+      calls: [{ key: "f 1", lines, loops: [], error: null }],
+      none: false,
+    };
   });
   return { sequence: 1, rate: NaN, arrived: 0, key, steps, total: levels.length, totals: {} };
 }

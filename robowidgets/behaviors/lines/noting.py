@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -60,10 +61,8 @@ class CallNotes:
     @cached_property
     def counts(self) -> dict[int, int]:
         """The number of notes of each place."""
-        found: dict[int, int] = {}
-        for one in self.seen:
-            found[one.place] = found.get(one.place, 0) + 1
-        return {place: max(count, self._counts[place]) for place, count in found.items()}
+        in_log = Counter(one.place for one in self.seen)
+        return {place: max(in_log[place], self._counts[place]) for place in self.last}
 
 
 class Notebook:
@@ -134,12 +133,15 @@ def _outside_of_loops(log: list[Any]) -> Notes:
 
 def _in_loops(source: FunctionSource, log: list[Any], counts: list[int], last: dict[int, tuple[Any, ...]]) -> Notes:
     begins = {one.loop: number for number, one in enumerate(source.places) if one.kind == PASS}
-    pass_of = [begins.get(one.loop, number) for number, one in enumerate(source.places)]
-    """For each place the place at which a pass of its loop begins."""
+    passes: dict[int | None, tuple[int, ...]] = {None: ()}
+    """For each loop the places at which its passes and those of the loops around it begin."""
+    for number, loop in enumerate(source.loops):
+        passes[number] = *passes[loop.around], begins[number]
+    passes_of = [passes[one.loop] for one in source.places]
 
     def put(place: int, value: Any, *more: Any) -> Any:
         count = counts[place] = counts[place] + 1
-        if count > MOST_PASSES or counts[pass_of[place]] > MOST_PASSES:
+        if count > MOST_PASSES or any(counts[begin] > MOST_PASSES for begin in passes_of[place]):
             last[place] = _kept(value), *map(_kept, more)
         else:
             log.extend((place, _kept(value), *map(_kept, more)))

@@ -36,13 +36,14 @@ def calls_by_function(step: WatchedStep) -> list[WatchedCall]:
 
 
 def packed_step(step: WatchedStep) -> dict[str, Any]:
-    """Return a step as plain values: its number, its time, its arguments, and the lines of each called function."""
+    """Return a step as plain values, with the lines of each called function."""
     return {
         "number": step.number,
         "time": step.time,
         "at": step.at,
         "given": [[name, text_of(value, _UNITS.get(name, ""))] for name, value in step.given],
         "calls": [_packed_call(call) for call in calls_by_function(step)],
+        "none": step.returned_none,
     }
 
 

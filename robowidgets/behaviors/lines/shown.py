@@ -12,7 +12,7 @@ from ...reasons.places import COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, T
 from ...samples import Ray, Scan
 from ...samples.sector import ALL_ROUND
 from .noting import CallNotes, Noted
-from .values import Glimpse, number_text, text_of
+from .values import Glimpse, is_result, number_text, text_of
 from .watch import WatchedCall
 
 MOST_ROWS = 20
@@ -125,7 +125,8 @@ def _value(notes: CallNotes, seen: Noted) -> str:
         of = _side(notes, place.operands[0], seen)
         # A distance of an object of the user's has another unit, perhaps; of a depth image only the name is kept.
         return text_of(value, "m" if type(of) is Scan or of == Glimpse("Image") else "")
-    return text_of(value)
+    # A forgotten `return`.
+    return text_of(value) + ", not returned" * (place.kind == EFFECT and is_result(value))
 
 
 def _level(value: Any) -> tuple[str, float | None]:
@@ -159,7 +160,7 @@ def _sector_text(place: NotedPlace) -> str:
 def _comparison(notes: CallNotes, seen: Noted) -> str:
     place = notes.source.places[seen.place]
     left, right = (_side(notes, side, seen) for side in place.operands)
-    text = " ".join((*_sides(left, place.relation, right),))
+    text = " ".join(_sides(left, "==" if place.relation == "=" else place.relation, right))
     # The value of a whole test stands before it.
     return text if place.kind != COMPARE or type(seen.value) is not bool else f"{text} is {seen.value}"
 

@@ -52,13 +52,27 @@ _NUMPY_SCALARS = tuple(
 _KEPT: set[int] = {id(kind) for kind in (float, int, bool, type(None), complex, Scan, Ray, Sector)}
 _PLAIN = {id(kind) for kind in (float, int, bool, type(None), complex)}
 _TEXTS: dict[int, Callable[[Any], str]] = {}
+_RESULTS: set[int] = set()
 _SCALARS = {id(kind) for kind in _NUMPY_SCALARS}
 
 
-def keep(kind: type, text: Callable[[Any], str] = repr) -> None:
-    """Keep values of a class of this package as they are, because they cannot change. ``text`` makes their text."""
+def keep(kind: type, text: Callable[[Any], str] = repr, *, is_result: bool = False) -> None:
+    """Keep values of a class of this package as they are, because they cannot change.
+
+    Args:
+        kind: the class.
+        text: makes their text.
+        is_result: True if a step returns them, and does nothing else with them.
+    """
     _KEPT.add(id(kind))
     _TEXTS[id(kind)] = text
+    if is_result:
+        _RESULTS.add(id(kind))
+
+
+def is_result(value: Any) -> bool:
+    """Return True for a value that has an effect only if a step returns it."""
+    return id(type(value)) in _RESULTS
 
 
 def is_kept(kind: type, *, numbers_only: bool = False) -> bool:
@@ -90,6 +104,8 @@ def _glimpse(value: Any, kind: type, depth: int) -> Any:
         return float.__float__(value) if issubclass(kind, float) else int.__int__(value)
     if kind is np.ndarray:
         return _glimpse_of_array(value)
+    if kind is range:
+        return Glimpse(repr(value)[:LONGEST], brackets="word")
     if depth < _DEEPEST:
         for base, brackets in ((list, "[]"), (tuple, "()"), (set, "{}"), (frozenset, "{}"), (deque, "[]")):
             if issubclass(kind, base):

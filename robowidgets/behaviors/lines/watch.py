@@ -14,6 +14,8 @@ from ...reasons.look import LookHooks, Note, Reasons
 from ...reasons.looker import LineLooker
 from ...reasons.places import FunctionSource
 from ...reasons.rewriting import NoteCall, Notes, NotRewrittenError, Rewritten, function_in, rewritten
+from ...runtime.policies import NO_RETURN
+from ...runtime.user_threads import is_abandoned
 from .noting import CallNotes, Notebook
 
 MOST_STEPS = 600
@@ -60,6 +62,7 @@ class WatchedStep:
         at: the monotonic time at which it began.
         calls: the calls of the user's functions, in their order.
         given: the numbers that the step got, with their parameters.
+        returned_none: True if it returned None.
     """
 
     program: tuple[str, int]
@@ -68,6 +71,7 @@ class WatchedStep:
     at: float
     calls: list[WatchedCall]
     given: list[tuple[str, Any]]
+    returned_none: bool
 
 
 class LineWatch:
@@ -143,16 +147,20 @@ class LineWatch:
         began = time.monotonic()
         if self.keep is not None:
             self.keep(program, made_at[1], function, values)
+        result: Any = self
+        """None only if the function returned it."""
         try:
             if _calls_functions(function):
                 function.lines = self  # type: ignore[attr-defined]
-                return function(*samples, **values)
-            return self.call(function, values, *samples)
+                result = function(*samples, **values)
+            else:
+                result = self.call(function, values, *samples)
+            return result
         finally:
             given = [(name, value) for name, value in values.items() if type(value) in _SHOWN]
             number, seconds = made_at
             if self._calls is calls:  # else it was abandoned, and another one has begun
-                step = self.newest = WatchedStep(program, number, seconds, began, calls, given)
+                step = self.newest = WatchedStep(program, number, seconds, began, calls, given, result is None)
                 for queue in self._views:
                     queue.append(step)
 
@@ -316,7 +324,9 @@ def _error_in(source: FunctionSource, error: BaseException) -> tuple[str, int | 
         if code.co_filename == source.file and source.first <= traceback.tb_lineno < end:
             line = traceback.tb_lineno
         traceback = traceback.tb_next
-    return error_text(error), line
+    # `UserThread.end` raised it, and not the function.
+    is_ended = isinstance(error, SystemExit) and is_abandoned()
+    return NO_RETURN if is_ended else error_text(error), line
 
 
 def error_text(error: BaseException) -> str:

@@ -23,21 +23,33 @@ export function editorsOf(page: ParentNode): Editor[] {
 
 /**
  * Replaces lines in the one editor that has them once. Only lines that differ change.
- * @returns false if no editor has them, or several, or it is read-only
+ * @param befores the lines as they may be now, the most probable ones first
+ * @returns the reason why no lines were replaced; empty if they were
  */
-export function replaceIn(editors: readonly Editor[], before: readonly string[], after: readonly string[]): boolean {
-  const found = editors.flatMap((editor) => placesIn(editor, before).map((from) => ({ editor, from })));
-  const [place] = found;
-  if (!place || found.length > 1 || place.editor.state.readOnly || before.length !== after.length) return false;
-  const changes: Change[] = [];
-  let { from } = place;
-  for (const [i, line] of before.entries()) {
-    const insert = after[i] ?? line;
-    if (insert !== line) changes.push({ from, to: from + line.length, insert });
-    from += line.length + 1;
+export function replaceIn(
+  editors: readonly Editor[],
+  befores: readonly (readonly string[])[],
+  after: readonly string[],
+): string {
+  for (const before of befores) {
+    const found = editors.flatMap((editor) => placesIn(editor, before).map((from) => ({ editor, from })));
+    const [place] = found;
+    if (!place || before.length !== after.length) continue;
+    const { editor } = place;
+    if (found.some((other) => other.editor !== editor)) return "more than one cell of this page contains its function";
+    if (found.length > 1) return "its cell contains its function more than once";
+    if (editor.state.readOnly) return "its cell is read-only";
+    const changes: Change[] = [];
+    let { from } = place;
+    for (const [i, line] of before.entries()) {
+      const insert = after[i] ?? line;
+      if (insert !== line) changes.push({ from, to: from + line.length, insert });
+      from += line.length + 1;
+    }
+    editor.dispatch({ changes, userEvent: "input" });
+    return "";
   }
-  place.editor.dispatch({ changes, userEvent: "input" });
-  return true;
+  return "its cell cannot be reached from here";
 }
 
 /** The offsets at which whole lines begin in an editor. */

@@ -3,6 +3,16 @@ import { partsOf, toNumber } from "./numbers.ts";
 import type { Line } from "./steps.ts";
 import type { NumberCode } from "./traits.ts";
 
+/** The columns of a tab. */
+const TAB = 8;
+
+/** The columns before the code of a line. */
+function indentOf(text: string): number {
+  let columns = 0;
+  for (const letter of /^\s*/.exec(text)?.[0] ?? "") columns += letter === "\t" ? TAB - (columns % TAB) : 1;
+  return columns;
+}
+
 /** A line of code with its values. */
 export class Row {
   readonly root = make("div", "rw-line");
@@ -27,6 +37,7 @@ export class Row {
     const code = make("code", "rw-line-code");
     code.role = "cell";
     code.title = text.trim();
+    code.style.setProperty("--rw-indent", String(indentOf(text)));
     for (const [kind, part, literal] of partsOf(text, numbers)) {
       const piece = make("span", "", part);
       if (kind) piece.dataset.kind = kind;

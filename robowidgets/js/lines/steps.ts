@@ -22,6 +22,8 @@ export interface Step {
   /** The names and texts of its arguments. */
   given: [name: string, text: string][];
   calls: Call[];
+  /** True if it returned None. */
+  none: boolean;
 }
 
 /** A call of a function. */

@@ -22,7 +22,6 @@ const MOVES: Record<string, number> = { ArrowDown: 1, ArrowUp: -1 };
 const WIDEST = 56;
 /** Pixels; a pointer that moves less on a number only shows its slider. */
 const DRAG_PX = 3;
-const IN_CELL = "in the cell now; the robot has this version already";
 /** The keys that change a focused number. Arrows to the left and right go to the next one. */
 const UPRIGHT = new Set(["ArrowUp", "ArrowDown", "PageUp", "PageDown"]);
 
@@ -124,7 +123,12 @@ export class LinesView {
     const said =
       mode === "running" ? "" : mode !== "replaced" ? mode : isAhead ? "no step yet" : "a newer version is in force";
     this.#card.update(
-      [version ? `v${code.version ?? version}` : "", ...facts, said, isFolded ? summaryOf(step, code) : ""],
+      [
+        version ? `v${code.version ?? version}` : "",
+        ...facts,
+        said,
+        isFolded ? summaryOf(step, code, span ? "" : ", keeps its speed") : "",
+      ],
       "step",
       false,
     );
@@ -167,7 +171,7 @@ export class LinesView {
     const isInChange = this.#change.root.contains(focused);
     this.#sections = functions.map((one) => {
       const section = new Section(one, functions.length > 1, () => this.#putIntoCell(section));
-      if (one.changed && this.#inCells.get(one.name)?.join() === one.changed.join()) section.sayOfCell(IN_CELL);
+      if (one.changed && this.#inCells.get(one.name)?.join() === one.changed.join()) section.sayInCell();
       return section;
     });
     this.#table.ariaLabel = `lines of ${code.name ?? "the program"}`;
@@ -312,16 +316,17 @@ export class LinesView {
     const { name, cell = [], changed = [] } = section.code;
     const editors = editorsOf(document);
     const befores = [this.#inCells.get(name) ?? cell, cell, changed];
-    if (befores.some((before) => replaceIn(editors, before, changed))) {
+    const why = replaceIn(editors, befores, changed);
+    if (!why) {
       this.#inCells.set(name, changed);
-      section.sayOfCell(IN_CELL);
+      section.sayInCell();
       return;
     }
     const isCopied = await copyText(changedLines(cell, changed));
     section.sayOfCell(
       isCopied
-        ? "copied, because its cell cannot be reached from here: paste it over the line in the cell"
-        : "neither the cell nor the clipboard can be reached from here: type it into the cell",
+        ? `copied, because ${why}: paste it over the line in the cell that you ran`
+        : `not copied: the clipboard cannot be reached, and ${why}. Type it into the cell`,
     );
   }
 
@@ -494,6 +499,7 @@ class Section {
   readonly #loops = new Map<number, HTMLElement>();
   readonly #cell = make("div", "rw-lines-cell");
   readonly #cellWords = make("span", "");
+  readonly #put = make("button", "rw-button rw-lines-put", "Put into the cell");
   readonly #start: number;
 
   /** @param putIntoCell called when the changed lines are to be put into the cell */
@@ -519,10 +525,15 @@ class Section {
     const lines = changed.flatMap((text, i) => (text === cell[i] ? [] : [first + i]));
     setText(this.#cellWords, `${lines.length > 1 ? "lines" : "line"} ${lines.join(", ")}: not as in the cell`);
     this.#cellWords.role = "status";
-    const button = make("button", "rw-button rw-lines-put", "Put into the cell");
-    button.type = "button";
-    button.addEventListener("click", onClick);
-    this.#cell.append(this.#cellWords, button);
+    this.#put.type = "button";
+    this.#put.addEventListener("click", onClick);
+    this.#cell.append(this.#cellWords, this.#put);
+  }
+
+  /** Shows that the changed lines are in the cell. */
+  sayInCell(): void {
+    this.#put.disabled = true;
+    this.sayOfCell("in the cell now; the robot has this version already");
   }
 
   /** Shows what became of the lines that were to be put into the cell. */
@@ -595,11 +606,15 @@ function toLit(line: Line | undefined): Lit[] {
   return rays.map(([runs, nearest, frame]) => ({ runs, nearest, frame }));
 }
 
-/** Returns the return value of a step, for a folded card. */
-function summaryOf(step: Step | null, { functions = [] }: VersionCode): string {
+/**
+ * Returns the return value of a step, for a folded card.
+ * @param keeps the effect of None
+ */
+function summaryOf(step: Step | null, { functions = [] }: VersionCode, keeps: string): string {
   const call = step?.calls.find(({ error }) => error) ?? step?.calls.at(-1);
   const { texts = [], first = 1 } = functions.find(({ key }) => key === call?.key) ?? {};
   if (call?.error) return `line ${first + call.error[0]}: ${call.error[1]}`;
+  if (call && step?.none) return `returned None${keeps}`;
   const last = call?.lines.filter(([number]) => /^\s*return\b/.test(texts[number] ?? "")).at(-1);
   return last ? `line ${first + last[0]}: ${last[1]}` : "";
 }

@@ -594,6 +594,19 @@ class TestLines:
         assert "<code>front</code> was 2.99 m" in shown
         assert "front &gt; 5.0" in shown
 
+    def test_a_line_that_only_late_rays_reach_is_shown_with_its_last_value(self) -> None:
+        def wall_ahead(scan: Scan) -> float:
+            nearest = scan.ranges[0]
+            for i in range(len(scan.ranges)):
+                if scan.ranges[i] < nearest:
+                    nearest = scan.ranges[i]
+            return float(nearest)
+
+        result = lessons.check(wall_ahead)
+        assert result.wrong
+        (line,) = (row for row in str(result.lines).splitlines() if re.search(r" nearest = scan\.ranges\[i\] ", row))
+        assert re.search(r"  [\d.]+  \N{MULTIPLICATION SIGN}\d+$", line)
+
     def test_of_a_drive_the_last_step_is_shown_with_its_time(self) -> None:
         result = lessons.check(blind_drive, "stop_before_wall")
         found = re.match(r"a wall ahead: it hit what is ahead at ([\d.]+) s", result.wrong[0])

@@ -34,7 +34,7 @@ def _step(error: tuple[int, str] | None = None) -> dict[str, Any]:
         (4, "Drive(0.2, 0)", [], 1, "reached", 1.0, []),
     ]
     call = {"key": "avoid 1", "lines": lines[:2] if error else lines, "loops": [], "error": error}
-    step = {"number": 7, "time": 0.35, "at": NOW, "given": [("near", "0.55")], "calls": [call]}
+    step = {"number": 7, "time": 0.35, "at": NOW, "given": [("near", "0.55")], "calls": [call], "none": False}
     totals = {"avoid 1": [(1, 7, 0), (2, 7, 2), (3, 2, 0), (4, 5, 0)]}
     packed = {"key": "avoid 1", "steps": [step], "total": 7, "totals": totals}
     function = {"key": "avoid 1", "name": "avoid", "first": 1, "texts": _TEXTS, "code": [1, 2, 3, 4], "why": ""}

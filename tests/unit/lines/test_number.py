@@ -261,7 +261,9 @@ def test_a_version_that_changes_something_outside_is_not_called_to_compare_it(dr
     drag.start(go)
     program = drag.start(outside)
     wait_for(lambda: drag.compared.get("key") == "go 2", "the reason is there")
-    assert drag.compared["why"] == "go is not tried: it uses called.append, which may change something outside of it"
+    assert drag.compared["why"] == (
+        "in version 2, go may not be tried, because it uses called.append, which may change something outside of it"
+    )
     program.pause()
     assert len(called) <= program.steps
 

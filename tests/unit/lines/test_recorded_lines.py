@@ -64,6 +64,19 @@ def test_the_values_of_a_moment_are_those_of_its_scan(recording: Recording) -> N
     assert "not reached" in repr(lines.at(1))
 
 
+def test_a_line_that_only_late_passes_of_a_loop_reach_has_its_value(recording: Recording) -> None:
+    def late(scan):  # type: ignore[no-untyped-def]
+        for i in range(len(scan.ranges)):
+            if i > 300:
+                k = i
+        return k
+
+    step = recording.lines(late).at(10)
+    last = len(recording.at("/scan", 10).sample) - 1
+    assert step[late.__code__.co_firstlineno + 3] == str(last)
+    assert f" {last}  \N{MULTIPLICATION SIGN}{last - 300}\n" in repr(step)
+
+
 def test_a_program_is_stepped_through_time_with_its_state(recording: Recording) -> None:
     lines = recording.lines(program, rate=5)
     count = program.__code__.co_firstlineno + 1

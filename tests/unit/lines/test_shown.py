@@ -103,8 +103,40 @@ def test_a_test_shows_what_was_compared_and_the_other_branch_is_not_there() -> N
 
 def test_parts_of_a_condition_are_shown() -> None:
     found = lines("if a < 1 and go and not (b == 'x'):\n    pass\nx = 1 if a > b_ else 2", a=0.5, go=True, b="y", b_=1)
-    assert found[1].details == ("0.50 < 1.00 is True", "go is True", "'y' = 'x' is False")
+    assert found[1].details == ("0.50 < 1.00 is True", "go is True", "'y' == 'x' is False")
     assert found[3] == LineValues(3, "2", ("0.50 > 1.00 is False",), kind=NUMBER, level=2.0)
+
+
+def test_a_comparison_has_the_sign_of_the_code() -> None:
+    found = lines("if a == None:\n    pass\nif a is True:\n    pass\nb = a == 0.5\nc = a != 0.5", a=2.758)
+    assert [found[number].details for number in (1, 3, 5, 6)] == [
+        ("2.758 == None",),
+        ("2.758 is True",),
+        ("2.76 == 0.50",),
+        ("2.76 \N{NOT EQUAL TO} 0.50",),
+    ]
+
+
+def test_a_speed_that_is_the_whole_of_a_statement_is_not_returned() -> None:
+    found = lines("Drive(0.2)\nfor i in 'a':\n    Drive(0, 1.0)\nreturn Drive(0.3)")
+    assert [found[number].value for number in (1, 3, 4)] == [
+        "Drive(0.2), not returned",
+        "Drive(0, 1), not returned",
+        "Drive(0.3)",
+    ]
+    (call,) = step_of("for i in 'a':\n    Drive(0, 1.0)").calls
+    assert passes_of(call)[0].rows == ("1: i 'a' \N{MIDDLE DOT} Drive(0, 1), not returned",)
+
+
+@pytest.mark.parametrize(("body", "returns_none"), [("Drive(0.2)", True), ("return a", False), ("1 / 0", False)])
+def test_a_step_knows_that_it_returned_none(body: str, returns_none: bool) -> None:
+    step = step_of(body, a=1)
+    assert (step.returned_none, packed_step(step)["none"]) == (returns_none, returns_none)
+
+
+def test_a_range_is_shown_with_its_numbers() -> None:
+    found = lines("for i in range(len(scan.ranges)):\n    pass\na = [range(9, 0, -2)]\nb = range(10**9999)", scan=SCAN)
+    assert [found[number].value for number in (1, 3, 4)] == ["range(0, 5)", "[range(9, 0, -2)]", "<range>"]
 
 
 def test_several_names_have_their_values() -> None:
@@ -170,3 +202,27 @@ def test_what_is_computed_in_later_passes_is_not_in_the_row_of_an_earlier_one() 
     (passes,) = passes_of(call)
     assert [row for row in passes.rows if "x" in row] == ["6: i 5 · line 3 True · x 5", "16: i 15 · line 3 True · x 15"]
     assert lines_of(call)[-1].times == 10
+
+
+@pytest.mark.parametrize("first", [20, 25, 29])
+def test_a_line_that_only_late_passes_reach_has_its_last_value_and_how_often(first: int) -> None:
+    (call,) = step_of(f"for i in range(30):\n    if i >= {first}:\n        x = i").calls
+    assert lines_of(call)[-1] == LineValues(3, "29", times=30 - first, kind=NUMBER, level=29.0)
+    (passes,) = passes_of(call)
+    assert (passes.times, len(passes.rows), any("x" in row for row in passes.rows)) == (30, 20, False)
+
+
+def test_a_loop_that_only_late_passes_reach_has_its_values_and_no_rows() -> None:
+    body = "for i in range(30):\n    if i > 25:\n        for j in 'ab':\n            x = 2 * i\n    y = i"
+    (call,) = step_of(body).calls
+    found = {line.number: line for line in lines_of(call)}
+    assert [(found[number].value, found[number].times) for number in (3, 4, 5)] == [("'ab'", 4), ("58", 8), ("29", 30)]
+    assert [passes.number for passes in passes_of(call)] == [1]
+
+
+def test_the_rows_of_an_inner_loop_end_with_those_of_the_loop_around_it() -> None:
+    (call,) = step_of("for i in range(30):\n    while i % 15 == 10:\n        i += 5\n        if i > 20: x = i").calls
+    found = {line.number: line for line in lines_of(call)}
+    assert (found[3].value, found[4].value, found[4].times) == ("30", "30", 2)
+    _, inner = passes_of(call)
+    assert (inner.rows, inner.times) == (("11.1: i 15 \N{MIDDLE DOT} line 5 False",), 2)

@@ -22,6 +22,8 @@ from robowidgets.behaviors.machine import Machine
 from robowidgets.behaviors.variables import Variables
 from robowidgets.feeds import Feed
 from robowidgets.reasons.rewriting import rewritten
+from robowidgets.runtime.policies import NO_RETURN
+from robowidgets.runtime.user_threads import UserThread
 
 from ..waiting import wait_for
 from .test_rewriting import made
@@ -231,3 +233,26 @@ def test_the_lines_of_an_event_are_those_of_any_function() -> None:
     assert lines["return True"].is_reached is False
     assert lines["return near(0.0)"].is_reached
     assert lines["ray = scan.at(angle)"].is_reached  # as all lines of its definition
+
+
+def test_a_step_that_was_ended_after_it_was_abandoned_says_so_on_its_line() -> None:
+    function = made("def step(begun):\n    begun.set()\n    while True:\n        pass\n")
+    watch, begun = LineWatch(), threading.Event()
+    thread = UserThread(lambda: watch_step(watch, function, begun=begun), "step")
+    thread.start()
+    begun.wait()
+    thread.abandon()
+    thread.end()
+    thread.join()
+    assert watch.newest
+    (call,) = watch.newest.calls
+    assert call.error == NO_RETURN
+    assert call.error_line in (2, 3, 4)
+
+
+def test_a_step_that_exits_by_itself_says_so_on_its_line() -> None:
+    watch = LineWatch()
+    with pytest.raises(SystemExit):
+        watch_step(watch, made("def step():\n    raise SystemExit('enough')\n"))
+    assert watch.newest
+    assert watch.newest.calls[0].error == "SystemExit: enough"
