@@ -23,16 +23,19 @@ export function setText(element: HTMLElement, text: string): void {
   else element.textContent = text;
 }
 
-/** Characters at the end of a name that stay without room for the whole of it. */
+/** Most characters of the second part of a name. */
 const NAME_END = 10;
+/** Shorter names have one part: the first one keeps room for an ellipsis. */
+const SHORT_NAME = 5;
 
 /** Sets a name that loses its middle without room for it: similar names differ at their ends. */
 export function setName(element: HTMLElement, name: string): void {
   if (element.textContent === name) return;
   element.classList.add("rw-name");
+  const start = name.length - (name.length < SHORT_NAME ? 0 : Math.min(name.length >> 1, NAME_END));
   element.replaceChildren(
-    make("span", "rw-name-start", name.slice(0, -NAME_END)),
-    make("span", "rw-name-end", name.slice(-NAME_END)),
+    make("span", "rw-name-start", name.slice(0, start)),
+    make("span", "rw-name-end", name.slice(start)),
   );
 }
 
