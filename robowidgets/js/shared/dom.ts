@@ -138,3 +138,4 @@ export function makeIcon(path: string): HTMLElement {
 /** Paths of icons. */
 export const PLAY = "M3 1.2l7 4.8-7 4.8z";
 export const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
+export const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";
