@@ -64,6 +64,10 @@ class PagedPlayer(Protocol):
     def duration(self) -> float:
         """Seconds of the recording."""
 
+    @property
+    def problems(self) -> list[str]:
+        """The problems of the recording that are problems of the screen, too."""
+
     def tracks_of(self, recording: RecordingData) -> list[tuple[SampleWidget, Track]]:
         """Return its widgets, each with a track that reads the given recording."""
 

@@ -274,7 +274,7 @@ def _heading(player: PagedPlayer, recording: RecordingData, wanted: Wanted, span
     return Heading(
         wanted.title or name,
         " · ".join(facts),
-        recording.problems,
+        player.problems,
         wanted.note,
         [_line(moment.seconds, moment.topic, moment.sample) for moment in samples],
     )

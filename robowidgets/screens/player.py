@@ -639,11 +639,15 @@ class Player(ScreenWidget):
         if self.topic_list is not None and not bar.playing:
             self.topic_list.tell_values(bar.time)
 
+    @property
+    def problems(self) -> list[str]:
+        """The problems of the recording that are problems of the screen, too."""
+        # If widgets are shown nevertheless, a recording without known sensors is not a problem for the user.
+        return [line for line in self.recording.problems if line != NO_SENSOR or not self.views]
+
     def _tell_problems(self) -> None:
         """Show the problems of the recording. Some are found only when it is read."""
-        # If widgets are shown nevertheless, a recording without known sensors is not a problem for the user.
-        there = [line for line in self.recording.problems if line != NO_SENSOR or not self.views]
-        self.note([f"⚠ {line}" for line in there])
+        self.note([f"⚠ {line}" for line in self.problems])
 
 
 def _select(scanogram: ScanogramWidget, change: Any) -> None:

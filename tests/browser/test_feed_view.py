@@ -59,6 +59,14 @@ LINES = 46
 """Height in pixels of the lines of the program, folded to one line, below the screen."""
 CUT = """(cards) => cards.filter((card) => card.scrollWidth > card.clientWidth + 1).map((card) => card.className)"""
 
+IS_WHOLE = """(element) => {
+    const range = document.createRange();
+    range.selectNodeContents(element);
+    const [text, { left, right }] = [range.getBoundingClientRect(), element.getBoundingClientRect()];
+    const card = element.closest(".rw-card").getBoundingClientRect();
+    return text.width > 0 && text.left >= left - 0.5 && text.right <= right + 0.5 && right <= card.right;
+}"""
+
 
 def boxes(nb: Notebook | PlainPage) -> dict[str, dict[str, float]]:
     found: dict[str, dict[str, float]] = nb.page.evaluate(BOXES)
@@ -135,6 +143,18 @@ def test_in_narrow_cells_nothing_is_cut_and_stop_comes_first(
     nb.page.mouse.wheel(0, 900)
     nb.page.wait_for_function("() => scrollY >= 800")
     assert nb.output(2).locator(".rw-stop-bar .rw-stop").evaluate_all(COVERED) == [], "Stop stays in view"
+
+
+def test_the_state_of_a_program_is_whole_at_any_width(plain_page: Callable[..., PlainPage]) -> None:
+    nb = opened(plain_page, "turtlebot3")
+    mode = nb.output(2).locator(".rw-program-mode")
+    codes = {"running": "pass", "stopped": "robot.stopped = True"}
+    for state, code in codes.items():
+        nb.python(code)
+        expect(mode).to_have_text(state)
+        for width in (1112, 808, 360, 280):
+            nb.resize(width, 720)
+            assert mode.evaluate(IS_WHOLE), f"{state} at {width} px"
 
 
 @pytest.mark.core

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -227,6 +228,20 @@ def test_a_recording_in_a_cell_of_848_pixels_has_its_scanogram_next_to_the_laser
         assert scanogram["x"] + scanogram["width"] < laser["x"]
         assert scanogram["y"] == laser["y"]
         assert of_each(nb.output(1).locator(".rw-card"), CUT) == []
+
+
+def test_small_cards_of_a_recording_keep_their_names_and_numbers_apart(
+    plain_page: Callable[..., PlainPage], data: Path
+) -> None:
+    file = str(data / "good" / "neato_fsm_zstd.mcap")
+    nb = plain_page([f"import robowidgets\nrecording = robowidgets.open({file!r})", "recording.show()"])
+    small = nb.output(1).locator(".rw-smalls")
+    for width in (808, 848, 890):
+        nb.resize(width)
+        expect(small.locator(".rw-speed .rw-value")).to_have_count(5)
+        assert of_each(small.locator(".rw-speed"), OVERLAPS) == []
+        titles = small.locator(".rw-title")
+        assert titles.evaluate_all("(titles) => titles.every((one) => one.scrollWidth <= one.clientWidth)")
 
 
 def test_headers_of_two_lines_keep_their_controls_in_a_cell_of_256_pixels(plain_page: Callable[..., PlainPage]) -> None:

@@ -173,6 +173,24 @@ def test_rows_and_tree_change_over(plain_page: Callable[..., PlainPage]) -> None
     expect(gripper).to_have_text(["0.031", "—", "—"])
 
 
+def test_joints_show_their_numbers_and_names_whole(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([WHEELS])
+    card = nb.widget(0).locator(".rw-card")
+    expect(card.locator(".rw-message-tr th")).to_have_text(["wheel_right_back_joint[0]", "wheel_right_front_joint[1]"])
+    for width in (474, 350):
+        nb.resize(width)
+        texts = card.locator(".rw-message-line b, .rw-message-tr th")
+        assert texts.evaluate_all("(texts) => texts.every((one) => one.scrollWidth <= one.clientWidth)"), width
+
+
+WHEELS = """
+import robowidgets
+wheels = robowidgets.MessageWidget(title="/joint_states")
+wheels.update({"name": ["wheel_right_back_joint", "wheel_right_front_joint"], "position": [-10.61234, -8.4831234e-10],
+               "velocity": [-8.4831234e-10, -4.6141234e-17], "effort": [-277.31234, -0.0000016412345]})
+wheels
+"""
+
 RECORDED = """
 import tempfile
 from pathlib import Path

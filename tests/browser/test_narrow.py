@@ -37,6 +37,19 @@ OVERLAP = """(popup) => {
 }"""
 """Return True if texts of a pop-up overlap, or lie outside of it."""
 
+ENDS = """(title) => {
+    const [first, last] = [title.firstChild.firstChild, title.lastChild.firstChild ?? title.firstChild.firstChild];
+    const { left, right } = title.getBoundingClientRect();
+    const range = document.createRange();
+    range.setStart(first, 0);
+    range.setEnd(first, 1);
+    const isStart = range.getBoundingClientRect().left >= left - 0.5;
+    range.setStart(last, last.length - 1);
+    range.setEnd(last, last.length);
+    return [isStart, range.getBoundingClientRect().right <= right + 0.5];
+}"""
+"""Return two booleans, true if the first and the last letter of a title are in view."""
+
 
 def width_of_area(card: Locator) -> float:
     """CSS pixels from the leftmost to the rightmost pixel of the area."""
@@ -150,3 +163,14 @@ def test_the_footer_of_a_laser_ends_where_it_should(plain_page: Callable[..., Pl
         }"""
     )
     assert blank <= 14
+
+
+def test_a_name_without_room_loses_its_middle(plain_page: Callable[..., PlainPage]) -> None:
+    titles = ("/stable_scan", "/front/scan", "/odom")
+    nb = plain_page([SCANS, *(f"laser = sweep(270, 541)\nlaser.title = {title!r}\nlaser" for title in titles)])
+    for index, title in enumerate(titles, 1):
+        card = nb.widget(index).locator(".rw-card")
+        expect(card.locator(".rw-title")).to_have_text(title)
+        for room in (120, 60, 44, 30):
+            card.locator(".rw-title").evaluate("(title, room) => { title.style.flex = `0 0 ${room}px`; }", room)
+            assert card.locator(".rw-title").evaluate(ENDS) == [True, True], f"{title} in {room} px"

@@ -81,6 +81,19 @@ def offline(browser: Browser, complaints: list[str]) -> Iterator[Callable[..., P
     assert complaints == []
 
 
+WATCH_MARKS = """window.tooWide = [];
+new MutationObserver(() => {
+    for (const { style } of document.querySelectorAll(".rw-play-marks span"))
+        if (parseFloat(style.width) > 100) window.tooWide.push(style.width);
+}).observe(document, { childList: true, subtree: true, attributes: true });"""
+
+
+def test_a_mark_is_never_longer_than_the_bar_while_a_page_opens(file: Path, offline: Callable[..., Page]) -> None:
+    page = offline(file, WATCH_MARKS, viewport={"width": 1100, "height": 800})
+    expect(page.locator(".rw-play-mark")).to_have_count(len(MARKS))
+    assert page.evaluate("() => window.tooWide") == []
+
+
 @pytest.mark.core
 def test_a_page_plays_and_its_numbers_match_the_recording(offline: Callable[..., Page], file: Path) -> None:
     page = offline(file, viewport={"width": 1280, "height": 800})

@@ -72,7 +72,7 @@ test("a number has the fewest digits that give the same float32 or float64", () 
 test("each float32 is read back from its digits", () => {
   for (let i = 0; i < 2000; i++) {
     const value = Math.fround((Math.sin(i * 12.9898) * 43758.5453) % 1) * 10 ** ((i % 40) - 20);
-    const text = toExact(Math.fround(value), "float32").replace("\u2212", "-");
+    const text = toExact(Math.fround(value), "float32").replaceAll("\u2212", "-");
     assert.equal(Math.fround(Number(text)), Math.fround(value));
   }
 });
@@ -81,6 +81,13 @@ test("a long number is shown with seven digits, and in the foot with all of them
   const [field] = fieldsOf([number("z", "float64", { unit: "m/s\u00b2" })], [9.824123456789012]);
   assert.equal(toReadable(9.824123456789012, "float64"), "9.824123");
   assert.equal(toWhole(field as Field), "9.824123456789012 m/s\u00b2");
+});
+
+test("a tiny number has an exponent, and one kind of minus sign", () => {
+  assert.equal(toReadable(-8.4831234e-10, "float64", 4), "\u22128.483e\u221210");
+  assert.equal(toReadable(-0.0000016412345, "float64", 4), "\u22121.641e\u22126");
+  assert.equal(toReadable(0.00064331234, "float64", 4), "0.0006433");
+  assert.equal(toExact(-1.5e-10, "float64"), "\u22121.5e\u221210");
 });
 
 test("a missing measurement is not shown as a number, and never as zero", () => {
@@ -255,6 +262,17 @@ test("joints are rows: a missing value is a dash, a wheel counts turns", () => {
   );
   assert.deepEqual(pan?.cells[0]?.bar, { low: -0.5, high: 0.5, value: 0.5, from: 0, ends: ["", ""] });
   assert.equal(pan?.cells[1]?.bar, null);
+});
+
+test("a note below joints explains the signs that are there, and no others", () => {
+  const whole = (position: number) => [
+    ...joints([]).slice(0, 1),
+    ...["position", "velocity", "effort"].map((name) => array(name, [position, 1])),
+  ];
+  const seen = new Seen();
+  assert.equal(toTable(whole(0.5), seen)?.note, "");
+  assert.equal(toTable(whole(0.7), seen)?.note, "Bars go from the least to the greatest that this page has seen.");
+  assert.equal(toTable(joints([0, -0.5]), new Seen())?.note, "\u2014 is not measured (NaN), or not sent.");
 });
 
 test("joints without names have their index", () => {

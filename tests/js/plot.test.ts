@@ -108,6 +108,20 @@ test("a line is named by the part that distinguishes it", () => {
   assert.deepEqual(toLabels([odom, `d/dt ${odom}`, `${odom} (b.mcap)`]), ["odom", "d/dt odom", "odom (b.mcap)"]);
 });
 
+test("a line alone in its graph has the name of its topic only if no other graph shows the topic", () => {
+  const turn = "/imu/data.angular_velocity.z";
+  const force = ["/imu/data.linear_acceleration.x", "/imu/data.linear_acceleration.y"];
+  assert.deepEqual(toLabels([turn], [turn, ...force]), ["z"]);
+  assert.deepEqual(toLabels([turn], [turn, "/imu/data.linear_acceleration.z"]), ["angular_velocity.z"]);
+  assert.deepEqual(toLabels([turn], [turn, `d/dt ${turn}`, "/odom.twist.twist.linear.x"]), ["data"]);
+  const units = { [turn]: "rad/s", ...Object.fromEntries(force.map((name) => [name, "m/s\u00b2"])) };
+  const groups = toGroups([turn, ...force], { units });
+  assert.deepEqual(
+    groups.map(({ entries }) => entries.map(({ label }) => label)),
+    [["z"], ["x", "y"]],
+  );
+});
+
 test("a difference is named by the parts in which two lines differ", () => {
   assert.equal(toDifference(["nearest (fast)", "nearest (slow run)"]), "fast \u2212 slow run");
   assert.equal(toDifference(["odom", "cmd_vel"]), "odom \u2212 cmd_vel");

@@ -106,8 +106,13 @@ function toJoints(by: Map<string, Field>, seen: Seen): Table {
     return { key: `name[${i}]`, name: toText(value), index: `[${i}]`, cells, inner: [], level: null };
   });
   const left = (names.value as [number])[0] - rows.length;
-  const more = left > 0 ? `${toCount(left)} more joints in the tree. ` : "";
-  const note = `${more}Bars go from the least to the greatest that this page has seen. \u2014 is not measured (NaN), or not sent.`;
+  const cells = rows.flatMap((row) => row.cells);
+  const notes = [
+    left > 0 ? `${toCount(left)} more joints in the tree.` : "",
+    cells.some(({ bar }) => bar) ? "Bars go from the least to the greatest that this page has seen." : "",
+    cells.some(({ isNone }) => isNone) ? "\u2014 is not measured (NaN), or not sent." : "",
+  ];
+  const note = notes.filter(Boolean).join(" ");
   return { kind: "joints", heads: JOINT_COLUMNS.map(([name, unit]) => ({ name, unit })), rows, note };
 }
 

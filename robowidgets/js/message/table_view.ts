@@ -48,6 +48,12 @@ class CellView {
   }
 }
 
+/** Sets a name whose lines may end after each of its parts: the names of joints often differ in one part. */
+function setBreakable(element: HTMLElement, name: string): void {
+  if (element.textContent === name) return;
+  element.replaceChildren(...name.split(/(?<=[_/])/).flatMap((part) => [part, make("wbr", "")]));
+}
+
 /** The elements of a row. */
 class TableRowView {
   readonly root = make("tr", "rw-message-tr");
@@ -68,7 +74,7 @@ class TableRowView {
   }
 
   update({ name, index, cells, inner, level }: TableRow, isChanged: boolean, isOpen: boolean): void {
-    setText(this.#name, name);
+    setBreakable(this.#name, name);
     setText(this.#index, index);
     for (const [i, cell] of cells.entries()) this.#cells[i]?.update(cell);
     this.root.classList.toggle("rw-message-changed", isChanged);

@@ -6,6 +6,8 @@ import { elementsOf, type Field, summaryOf, toNumber } from "./tree.ts";
 const MINUS = "\u2212";
 /** Characters up to which a number is shown with all its digits. */
 const LONGEST = 10;
+/** Smaller numbers have an exponent: their zeros would take the room of their digits. */
+const TINY = 1e-4;
 /** From here on, seconds are a time of day. */
 const DATED = 1e8;
 
@@ -24,7 +26,12 @@ export function toExact(value: Value, type: string): string {
   if (typeof value === "string" && !/nan|inf/.test(value)) return value.replace("-", MINUS);
   const number = toNumber(value);
   if (!Number.isFinite(number)) return toFixed(number, 0);
-  return (type === "float32" ? shortestOf(number) : String(number)).replace("-", MINUS);
+  return withMinus(type === "float32" ? shortestOf(number) : String(number));
+}
+
+/** A number's text with a real minus sign, in its exponent, too. */
+function withMinus(text: string): string {
+  return text.replaceAll("-", MINUS);
 }
 
 /** The shortest text that is this float32. */
@@ -42,7 +49,8 @@ export function toReadable(value: Value, type: string, digits = 7): string {
   if (exact.length <= LONGEST && digits === 7) return exact;
   const number = toNumber(value);
   if (!Number.isFinite(number) || (Number.isInteger(number) && Math.abs(number) < 1e15)) return exact;
-  const short = String(Number(number.toPrecision(digits))).replace("-", MINUS);
+  const rounded = Number(number.toPrecision(digits));
+  const short = withMinus(Math.abs(rounded) < TINY ? rounded.toExponential() : String(rounded));
   return short.length < exact.length ? short : exact;
 }
 
@@ -159,7 +167,7 @@ function lengthOf({ node, children }: Field): Partial<Said> | null {
   const isVector = parts.map((part) => part.node.name).join("") === "xyz" && parts.every(isNumber);
   if (!isVector || unit === "m" || !/Vector3$|^$/.test(node.type)) return null;
   const length = Math.hypot(...parts.map(({ value }) => toNumber(value)));
-  return Number.isNaN(length) ? null : { text: String(Number(length.toPrecision(3))), unit };
+  return Number.isNaN(length) ? null : { text: withMinus(String(Number(length.toPrecision(3)))), unit };
 }
 
 function isNumber({ node }: Field): boolean {

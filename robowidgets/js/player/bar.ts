@@ -225,11 +225,14 @@ export class PlayerBar {
     if (this.#speed.value !== String(speed)) this.#speed.value = String(speed);
   }
 
+  /** Draws the marks once the width of the bar is known: marks that would touch are joined. */
   #drawMarks(begin: number, duration: number): void {
+    const width = this.#width;
+    if (!width) return;
     const marks = this.#model.get("marks");
     const selection = this.#model.get("selection");
     // Compare by identity: there may be thousands of marks, and this runs in every frame while it plays.
-    const drawn = [marks, selection, begin, duration, this.#width];
+    const drawn = [marks, selection, begin, duration, width];
     if (drawn.every((one, i) => one === this.#drawn[i])) return;
     this.#drawn = drawn;
     const makeMark = (className: string, left: number, width: number, label: string) => {
@@ -242,7 +245,6 @@ export class PlayerBar {
     const toPart = (time: number) => (100 * (time - begin)) / (duration - begin);
     const [from, to] = (selection ?? [begin, begin]).map(toPart) as [number, number];
     const elements = selection ? [makeMark("rw-play-selected", from, to - from, "selected")] : [];
-    const width = this.#width || 1;
     for (const { left, width: wide, count, share, label } of toDensity(marks, begin, duration, width)) {
       const name = count > 1 ? "rw-play-dense" : "rw-play-mark";
       const mark = makeMark(name, (100 * left) / width, (100 * wide) / width, label);

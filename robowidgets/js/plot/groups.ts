@@ -53,7 +53,7 @@ export function toGroups(names: string[], { units, off = [], ghosts = [], steps 
   const labels = new Map<string, string>();
   for (const unit of new Set(names.map((name) => unitOf(units, name)))) {
     const own = names.filter((name) => unitOf(units, name) === unit);
-    for (const [i, label] of toLabels(own).entries()) labels.set(own[i] as string, label);
+    for (const [i, label] of toLabels(own, names).entries()) labels.set(own[i] as string, label);
   }
   for (const [index, name] of names.entries()) {
     const unit = unitOf(units, name);

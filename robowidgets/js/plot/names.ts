@@ -11,11 +11,14 @@ const PARTS = /^(d\/dt )?(.*?)( \(.*\))?$/;
 /**
  * The shortest names that distinguish lines: the end of the topic, "odom"; for several fields of a topic the end of the
  * field, "linear.x"; else the whole name. A derivative, and a line of another recording, is named after its own line.
+ *
+ * @param names of the lines of a graph
+ * @param plot names of the lines of all its graphs
  */
-export function toLabels(names: string[]): string[] {
+export function toLabels(names: string[], plot = names): string[] {
   const parts = names.map((name) => (PARTS.exec(name) ?? []).slice(1).map((part) => part ?? ""));
   const own = [...new Set(parts.map(([, base = ""]) => base))];
-  const short = shortest(own);
+  const short = shortest(own, [...new Set(plot.map(baseOf))]);
   return parts.map(([before = "", base = "", after = ""]) => `${before}${short[own.indexOf(base)]}${after}`);
 }
 
@@ -28,10 +31,19 @@ export function toDifference(labels: [string, string]): string {
 
 /** The field of a line; "" for a name without one. */
 export function fieldOf(name: string): string {
-  return split(PARTS.exec(name)?.[2] ?? "")[1];
+  return split(baseOf(name))[1];
 }
 
-function shortest(names: string[]): string[] {
+/** The line from which a derivative, or the same line of another recording, is made. */
+function baseOf(name: string): string {
+  return PARTS.exec(name)?.[2] ?? "";
+}
+
+function shortest(names: string[], plot: string[]): string[] {
+  const [only = ""] = names;
+  const isOfItsTopic = (name: string) => split(name)[0] === split(only)[0];
+  // A line alone in its graph is distinguished from the lines of its topic in other graphs.
+  const others = names.length === 1 ? plot.filter(isOfItsTopic) : names;
   const ways = [
     (name: string) => split(name)[0].split("/").filter(Boolean).at(-1) ?? name,
     (name: string) => lastOf(split(name)[1], 1) || name,
@@ -39,8 +51,7 @@ function shortest(names: string[]): string[] {
     (name: string) => `${split(name)[0].split("/").at(-1)} ${lastOf(split(name)[1], 2)}`.trim(),
   ];
   for (const way of ways) {
-    const labels = names.map(way);
-    if (new Set(labels).size === names.length) return labels;
+    if (new Set(others.map(way)).size === others.length) return names.map(way);
   }
   return names;
 }

@@ -1,4 +1,18 @@
-import { make, makeButton, mount, set, setHidden, setLabel, setText, setTip } from "../shared/dom.ts";
+import {
+  make,
+  makeButton,
+  makeIcon,
+  mount,
+  PAUSE,
+  PLAY,
+  RESET,
+  set,
+  setHidden,
+  setLabel,
+  setName,
+  setText,
+  setTip,
+} from "../shared/dom.ts";
 import { StopButtons } from "../shared/driving/buttons.ts";
 import { StopControl } from "../shared/driving/control.ts";
 import { Readout } from "../shared/driving/readout.ts";
@@ -12,6 +26,7 @@ import type { Program, ProgramTraits } from "./traits.ts";
 import { VariableRows } from "./variables.ts";
 
 const RESTART = "Restart from the beginning, with an empty state, and let programs drive";
+const STEP = "M2 1.2l6 4.8-6 4.8z M8.5 1.5h1.5v9h-1.5z";
 
 /** A program: its state, its variables, its prints or its error, and Stop. */
 export class ProgramView {
@@ -45,14 +60,11 @@ export class ProgramView {
     this.#buttons = new StopButtons(this.#root, this.#control, signal);
     this.#variables = new VariableRows((name, value) => this.#control.send({ program: "set", name, value }), signal);
     this.#run = makeButton("rw-program-run", "Run", () => this.#onRun(), signal);
-    this.#step = makeButton(
-      "rw-program-step",
-      "Make one step",
-      () => this.#control.send({ program: "step" }),
-      signal,
-      "Step",
-    );
-    this.#restart = makeButton("", RESTART, () => this.#onRestart(), signal, "Restart");
+    const onStep = () => this.#control.send({ program: "step" });
+    this.#step = makeButton("rw-program-step", "Make one step", onStep, signal);
+    this.#step.append(makeIcon(STEP), make("span", "rw-word", "Step"));
+    this.#restart = makeButton("", RESTART, () => this.#onRestart(), signal);
+    this.#restart.append(makeIcon(RESET), make("span", "rw-word", "Restart"));
     on(window, "keydown", ({ key }) => key === "Escape" && this.#variables.cancel(), signal, { capture: true });
     this.#build();
     mount(element, this.#root, signal);
@@ -110,13 +122,14 @@ export class ProgramView {
     const mode = program ? toMode(told, program, isKnown) : "";
     set(this.#root.dataset, "mode", mode || "none");
     this.#root.classList.toggle("rw-silent", mode === NOT_KNOWN);
-    setText(this.#name, program?.name ?? "no program yet");
+    setName(this.#name, program?.name ?? "no program yet");
     setText(this.#version, program ? `v${program.version}` : "");
     setText(this.#mode, mode);
     const [verb, label] = this.#isRunning
       ? ["Pause", "Pause, and stop the robot"]
       : ["Run", "Run, and let programs drive"];
-    setText(this.#run, verb);
+    if (this.#run.textContent !== verb)
+      this.#run.replaceChildren(makeIcon(this.#isRunning ? PAUSE : PLAY), make("span", "rw-word", verb));
     setLabel(this.#run, label);
     const isOver = !program || program.mode === "ended" || !this.#control.hasKernel;
     const isUnknown = mode === NOT_KNOWN;

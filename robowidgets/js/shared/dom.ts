@@ -23,16 +23,19 @@ export function setText(element: HTMLElement, text: string): void {
   else element.textContent = text;
 }
 
-/** Characters at the end of a name that stay without room for the whole of it. */
+/** Most characters of the second part of a name. */
 const NAME_END = 10;
+/** Shorter names have one part: the first one keeps room for an ellipsis. */
+const SHORT_NAME = 5;
 
 /** Sets a name that loses its middle without room for it: similar names differ at their ends. */
 export function setName(element: HTMLElement, name: string): void {
   if (element.textContent === name) return;
   element.classList.add("rw-name");
+  const start = name.length - (name.length < SHORT_NAME ? 0 : Math.min(name.length >> 1, NAME_END));
   element.replaceChildren(
-    make("span", "rw-name-start", name.slice(0, -NAME_END)),
-    make("span", "rw-name-end", name.slice(-NAME_END)),
+    make("span", "rw-name-start", name.slice(0, start)),
+    make("span", "rw-name-end", name.slice(start)),
   );
 }
 
@@ -135,3 +138,4 @@ export function makeIcon(path: string): HTMLElement {
 /** Paths of icons. */
 export const PLAY = "M3 1.2l7 4.8-7 4.8z";
 export const PAUSE = "M2.5 1.5h2.5v9h-2.5z M7 1.5h2.5v9h-2.5z";
+export const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";

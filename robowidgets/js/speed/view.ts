@@ -1,5 +1,5 @@
 import type { Box } from "../shared/box.ts";
-import { boxWithin, make, makeButton, makeIcon, set, setHidden, setText } from "../shared/dom.ts";
+import { boxWithin, make, makeButton, makeIcon, RESET, set, setHidden, setText } from "../shared/dom.ts";
 import type { Speeds } from "../shared/frames/speeds.ts";
 import { LaidOut } from "../shared/laid_out.ts";
 import { type Model, onChange, setTraits } from "../shared/model.ts";
@@ -33,7 +33,6 @@ const SETTINGS = [
 const NOTHING: Fastest = { linear: 0, angular: 0, steering: 0 };
 /** Seconds that the button sets. */
 const USUAL_SECONDS = 10;
-const RESET = "M6 1.5a4.5 4.5 0 1 0 4.5 4.5h-1.4a3.1 3.1 0 1 1-3.1-3.1v1.7l3-2.4-3-2.4z";
 
 const LINE = "M1 1h1.4v8.6H11V11H1z M3.4 7.2l2.2-3 2 1.8L10 2.4l.9.8-3.1 4.6-2-1.8-1.4 2z";
 

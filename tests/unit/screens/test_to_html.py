@@ -107,6 +107,12 @@ def test_real_recordings_take_what_was_promised(tmp_path: Path, data: Path) -> N
         assert size <= 0.6 * mcap + 195_000, name
 
 
+def test_a_page_that_shows_widgets_does_not_say_that_there_is_none(tmp_path: Path, data: Path) -> None:
+    with robowidgets.open(data / "odd" / "jazzy_mcap_no_laser") as recording:
+        page = recording.to_html(tmp_path / "a.html", start=39, end=40).read_text(encoding="utf-8")
+    assert "rw-page-problems" not in page[page.index("<body") :]
+
+
 def test_numbers_keep_the_sign_of_zero() -> None:
     assert _pack_column(np.array([0.0, 0.5]))[0] == 10**6
     assert _pack_column(np.array([-0.0, 0.5]))[0] == 0, "the bits are packed unchanged"
