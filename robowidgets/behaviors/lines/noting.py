@@ -134,7 +134,7 @@ def _outside_of_loops(log: list[Any]) -> Notes:
 def _in_loops(source: FunctionSource, log: list[Any], counts: list[int], last: dict[int, tuple[Any, ...]]) -> Notes:
     begins = {one.loop: number for number, one in enumerate(source.places) if one.kind == PASS}
     passes: dict[int | None, tuple[int, ...]] = {None: ()}
-    """For each loop the places at which its passes and those of the loops around it begin."""
+    """For each loop, the places at which a pass of it or of a loop around it begins."""
     for number, loop in enumerate(source.loops):
         passes[number] = *passes[loop.around], begins[number]
     passes_of = [passes[one.loop] for one in source.places]
