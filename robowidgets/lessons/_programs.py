@@ -238,11 +238,13 @@ def _bump(title: str, world: World, box: tuple[float, float, float]) -> Case:
                     seconds=touched_at,
                 )
             if bumps > 3:
-                raise WrongError("it bumped into the same box for the fourth time: after driving back, turn for longer")
+                break
         if not bumps:
             raise WrongError("it did not reach the box within 30 s: drive on while there is room ahead")
         if turned < _TURNED:
             raise WrongError("it did not turn after it bumped into the box: drive back, then turn, then drive on")
+        if bumps > 3:
+            raise WrongError("it bumped into the same box for the fourth time: after driving back, turn for longer")
         if went < _WENT_ON:
             raise WrongError(
                 "after it turned it drove only {way:.1f} m forward: after driving back and turning, drive on", way=went

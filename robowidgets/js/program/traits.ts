@@ -25,7 +25,7 @@ export interface Program {
   /** Steps a second. */
   rate: number;
   step_ms: number;
-  /** Seconds since the version is in force. */
+  /** Seconds since the version began to drive. */
   since: number;
   /** The speed that the last step returned: m/s forward, rad/s counter-clockwise, m/s to the left. */
   speed: [number, number, number];

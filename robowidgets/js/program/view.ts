@@ -82,7 +82,7 @@ export class ProgramView {
     const header = make("div", "rw-header");
     header.append(this.#name, this.#version, this.#mode, controls);
     const facts = make("div", "rw-program-facts");
-    for (const [i, unit] of [" Hz", " ms a step", " s in force"].entries()) {
+    for (const [i, unit] of [" Hz", " ms a step", " s since its start"].entries()) {
       const fact = make("span", "");
       fact.append(this.#facts[i] ?? "", unit);
       facts.append(fact);

@@ -267,6 +267,14 @@ def back_alone(touch: Touch, time: float, state: Any) -> Drive:
     return Drive(-0.2 if time - state.get("bumped", -10) < 0.5 else 0.2)
 
 
+def turn_back(touch: Touch, time: float, state: Any) -> Drive:
+    """Drive back, turn, turn back, and drive on as before."""
+    if any(touch.touched.values()):
+        state.bumped = time
+    since = time - state.get("bumped", -10)
+    return Drive(-0.2) if since < 0.5 else Drive(0, 1) if since < 1.1 else Drive(0, -1) if since < 1.7 else Drive(0.2)
+
+
 def stay_after_touch(touch: Touch, time: float, state: Any) -> Drive:
     if any(touch.touched.values()):
         state.bumped = time
@@ -339,7 +347,8 @@ class TestPrograms:
             ("follow_wall", lambda scan: Drive(0.2) if ahead(scan) > 0.5 else Drive(0, 1.0), "turn left when it is"),
             ("follow_wall", lambda time: Drive(0.2) if not 9.5 < time < 11.75 else Drive(0, 1), "turn right when it"),
             ("back_off", follow, "it still pushes 1 s after"),
-            ("back_off", back_alone, "for the fourth time"),
+            ("back_off", back_alone, "it did not turn after it bumped into the box"),
+            ("back_off", turn_back, "for the fourth time"),
             ("back_off", lambda time: Drive(0.2 if time < 4 else 0.0), "it did not reach the box"),
             ("back_off", stay_after_touch, "it did not turn after it bumped into the box"),
             ("follow_wall", turn_right, "the wall is not on its right"),
