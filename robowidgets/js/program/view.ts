@@ -62,9 +62,9 @@ export class ProgramView {
     this.#run = makeButton("rw-program-run", "Run", () => this.#onRun(), signal);
     const onStep = () => this.#control.send({ program: "step" });
     this.#step = makeButton("rw-program-step", "Make one step", onStep, signal);
-    this.#step.append(makeIcon(STEP), make("span", "rw-word", "Step"));
+    this.#step.append(makeIcon(STEP), make("span", "rw-verb", "Step"));
     this.#restart = makeButton("", RESTART, () => this.#onRestart(), signal);
-    this.#restart.append(makeIcon(RESET), make("span", "rw-word", "Restart"));
+    this.#restart.append(makeIcon(RESET), make("span", "rw-verb", "Restart"));
     on(window, "keydown", ({ key }) => key === "Escape" && this.#variables.cancel(), signal, { capture: true });
     this.#build();
     mount(element, this.#root, signal);
@@ -129,7 +129,7 @@ export class ProgramView {
       ? ["Pause", "Pause, and stop the robot"]
       : ["Run", "Run, and let programs drive"];
     if (this.#run.textContent !== verb)
-      this.#run.replaceChildren(makeIcon(this.#isRunning ? PAUSE : PLAY), make("span", "rw-word", verb));
+      this.#run.replaceChildren(makeIcon(this.#isRunning ? PAUSE : PLAY), make("span", "rw-verb", verb));
     setLabel(this.#run, label);
     const isOver = !program || program.mode === "ended" || !this.#control.hasKernel;
     const isUnknown = mode === NOT_KNOWN;
