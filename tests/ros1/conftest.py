@@ -11,8 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from ..patience import be_patient
 from ..reserved import free_port
 from ..unit.waiting import wait_for
+
+be_patient()
 
 PYTHON = "/usr/bin/python3"
 PACKAGES = "/usr/lib/python3/dist-packages"

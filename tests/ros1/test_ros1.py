@@ -23,7 +23,7 @@ import pytest
 
 from robowidgets import LaserWidget, SpeedWidget, feeds
 from robowidgets.feeds import _ros1_master
-from robowidgets.feeds.middleware import SEND_TIMEOUT, Advert, FeedError
+from robowidgets.feeds.middleware import SEND_TIMEOUT, Advert, FeedError, NotConnectedYetError
 
 from ..conftest import ROOT
 from ..unit.feeds.ears import Ears
@@ -68,6 +68,18 @@ class Opened(NamedTuple):
 
     def publish(self, topic: str, x: float) -> None:
         self.ros.publish(topic, STAMPED, {"twist": {"linear": {"x": x}}})
+
+    def publish_once_connected(self, topic: str, x: float) -> None:
+        """Publish again while the subscriber has not connected in time."""
+
+        def is_published() -> bool:
+            try:
+                self.publish(topic, x)
+            except NotConnectedYetError:
+                return False
+            return True
+
+        wait_for(is_published, "it is published")
 
     def wait_for_listener(self, topic: str) -> None:
         wait_for(lambda: self.told.advert(topic).wanted, "a node listens")
@@ -300,7 +312,7 @@ def test_a_robot_that_comes_later_does_not_receive_earlier_speeds(middleware, ro
         middleware.publish("/late/cmd_vel", 0.25)
     heard = robot("/late/cmd_vel").heard
     middleware.wait_for_listener("/late/cmd_vel")
-    middleware.publish("/late/cmd_vel", 0.0)
+    middleware.publish_once_connected("/late/cmd_vel", 0.0)
     wait_for(lambda: heard, "the robot hears something")
     assert heard[0] == 0.0
 
@@ -308,7 +320,7 @@ def test_a_robot_that_comes_later_does_not_receive_earlier_speeds(middleware, ro
 def test_a_robot_that_was_killed_is_no_longer_published_to(middleware, robot):
     there = robot("/dead/cmd_vel")
     middleware.wait_for_listener("/dead/cmd_vel")
-    middleware.publish("/dead/cmd_vel", 0.25)
+    middleware.publish_once_connected("/dead/cmd_vel", 0.25)
     there.process.kill()
     there.process.wait()
     with pytest.raises(FeedError, match=r"/dead/cmd_vel: /hear_\w+ listens to it, but has not connected"):
@@ -397,7 +409,7 @@ def test_a_refused_robot_is_reported_and_asked_again_until_it_connects(middlewar
     wait_for(lambda: refused, "the robot was refused")
     words = f"{refused[0]} listens to /deaf/cmd_vel, but does not connect; it is asked again"
     wait_for(lambda: middleware.told.said == [words, ""], "it has connected")
-    middleware.publish("/deaf/cmd_vel", 0.0)
+    middleware.publish_once_connected("/deaf/cmd_vel", 0.0)
     wait_for(lambda: heard, "the robot hears")
     assert heard == [0.0]
 
@@ -408,7 +420,7 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
     topic = "/stuck/cmd_vel"
     stuck, other = robot(topic), robot(topic)
     middleware.wait_for_listener(topic)
-    middleware.publish(topic, 0.1)
+    middleware.publish_once_connected(topic, 0.1)
     connections = middleware.ros._publications._connections
     wait_for(lambda: len(connections(topic)) == 2, "both are connected")
     for connection in connections(topic):  # as small as the robots' receive buffers
