@@ -79,7 +79,8 @@ test-all: test test-rest
 
 # Everything that `make test` leaves out.
 test-rest: setup build $(EXPORT_MODULES)
-	scripts/side_by_side.sh '$(MAKE) test-docs' '$(MAKE) test-ros1' '$(MAKE) browsers'
+	scripts/side_by_side.sh '$(MAKE) test-docs' '$(MAKE) browsers' scripts/ros1.sh
+	$(MAKE) test-ros1
 	$(UNITS) -m slow
 	$(BROWSER) -m 'not core'
 
