@@ -178,7 +178,14 @@ def test_voila_shows_widgets_and_recordings_and_is_dark_with_them(browser: Brows
         page = browser.new_page(viewport={"width": 1280, "height": 720})
         player = page.locator(".rw-player")
         for theme in ("light", "dark"):
-            page.goto(f"{url}?theme={theme}")
+
+            def is_shown(address: str = f"{url}?theme={theme}") -> bool:
+                """Voila's page shows no widget if a busy kernel does not answer it within four seconds."""
+                page.goto(address)
+                page.locator(".rw-laser").first.or_(page.get_by_text("model not found").first).first.wait_for()
+                return page.get_by_text("model not found").count() == 0
+
+            wait_for(is_shown, "the page shows the widgets")
             for card in (page.locator(".rw-laser").first, player):
                 expect(card).to_have_attribute("data-rw-theme", theme, timeout=60_000)
             if PICTURES:

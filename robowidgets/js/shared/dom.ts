@@ -23,20 +23,16 @@ export function setText(element: HTMLElement, text: string): void {
   else element.textContent = text;
 }
 
-/** Most characters of the second part of a name. */
+/** Most characters of the second part of a name. Shorter names have one part, which can be selected and copied whole. */
 const NAME_END = 10;
-/** Shorter names have one part: the first one keeps room for an ellipsis. */
-const SHORT_NAME = 5;
 
-/** Sets a name that loses its middle without room for it: similar names differ at their ends. */
+/** Sets a name that loses its middle without room for it: similar names differ at their ends. A short one loses its end. */
 export function setName(element: HTMLElement, name: string): void {
   if (element.textContent === name) return;
   element.classList.add("rw-name");
-  const start = name.length - (name.length < SHORT_NAME ? 0 : Math.min(name.length >> 1, NAME_END));
-  element.replaceChildren(
-    make("span", "rw-name-start", name.slice(0, start)),
-    make("span", "rw-name-end", name.slice(start)),
-  );
+  const start = name.length - (name.length <= NAME_END ? 0 : Math.min(name.length >> 1, NAME_END));
+  const end = start < name.length ? [make("span", "rw-name-end", name.slice(start))] : [];
+  element.replaceChildren(make("span", "rw-name-start", name.slice(0, start)), ...end);
 }
 
 /**
