@@ -446,10 +446,10 @@ class Feed:
                 f"program {program.name}: a step each {1 / steps:.3g} s, but a speed holds for {hold:.3g} s, so the "
                 f"robot stands before the next one; choose a rate above {1 / hold:.3g}"
             )
-        self._program_note.print(lambda: f"{self.where}: {self._is_installed(program)}")
+        self._program_note.print(lambda: f"{self.where}: {self._state_in_words(program)}")
         return program
 
-    def _is_installed(self, program: Program) -> str:
+    def _state_in_words(self, program: Program) -> str:
         shown = f"{name_in_cells(self, 'feed')}.show()"
         if self.stopped:
             return f"{program.name} drives when you press Allow driving in {shown}, because Stop is pressed"

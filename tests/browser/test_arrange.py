@@ -153,7 +153,8 @@ def test_a_dragged_edge_leaves_the_columns_of_a_narrow_screen_next_to_each_other
     drag(page, at, (at[0] - 12, at[1]), drops=False)
     for name, old in before.items():
         now = box(out.locator(f".rw-{name}"))
-        assert now["x"] == pytest.approx(old["x"], abs=848 / 12), name
+        # Columns have whole twelfths: three next to each other are rounded further.
+        assert now["x"] == pytest.approx(old["x"], abs=848 / 12 if name == "touch" else 40), name
         assert now["y"] == pytest.approx(old["y"], abs=40), name
     page.mouse.up()
 

@@ -183,10 +183,7 @@ SEEN = ((0, 0.1), (1, 0.25), (1, 0.2), (2, 0.22))
 
 def test_a_sample_that_ended_at_the_start_of_a_span_is_not_of_it(tmp_path: Path) -> None:
     rows = [
-        *(
-            (at, "/scan", sweeps.scan(sweeps.START_NS, [near]))
-            for at, near in ((0, 0.1), (1, 0.25), (1, 0.2), (2, 0.22))
-        ),
+        *((at, "/scan", sweeps.scan(sweeps.START_NS, [near])) for at, near in SEEN),
         *((at, "/on", {"data": at in (1.0, 1.5)}) for at in (0.0, 1.0, 1.2, 1.5, 1.8)),
     ]
     topics = {"/scan": sweeps.TYPE, "/on": "std_msgs/msg/Bool"}
