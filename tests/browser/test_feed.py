@@ -72,6 +72,7 @@ def test_a_robot_is_live_while_a_cell_is_busy_and_after_an_interrupt_and_a_resta
     assert nb.python("print(feed.show('/odom').widgets['/odom'].title)") == "/odom\n"
 
     nb.restart_kernel()
+    expect(laser.locator(".rw-silence")).to_have_text("no kernel in this page")
     nb.run(0)
     expect_moving(laser)
     assert nb.python("print(repr(feed.status))") == "''\n"

@@ -147,7 +147,9 @@ export class SampleCard extends Card {
     const silence = this.#silenceMs;
     const pace = live && this.#paced && rate ? [`${toFixed(rate, 1)} Hz`] : [];
     this.updateFacts([...this.#known, ...pace]);
-    this.updateSilence(silence ? `no data for ${toAge(silence)}` : this.pulse.words, this.#isSilent);
+    const { age } = this.#stream.about; // of a recording's sample, which needs no kernel
+    const said = !age && lacksKernel(this.#model) ? NO_KERNEL : `no data for ${toAge(silence)}`;
+    this.updateSilence(silence ? said : this.pulse.words, this.#isSilent);
     if (silence) this.texts.ask(this.#tellFacts);
   }
 
