@@ -16,6 +16,9 @@ from .middleware import Advert, FeedError
 
 log = logging.getLogger("robowidgets")
 
+LONG_HOLD = 60.0
+"""Seconds. A longer hold is told, because it may have been meant in milliseconds."""
+
 USUAL = "/cmd_vel"
 """The topic on which speeds are published, unless another topic is set or is the only one with a subscriber."""
 
@@ -60,6 +63,13 @@ class Driving:
             least = "of 0 or more" if name == "max_lateral" else "above 0"
             if value < 0 or (value == 0 and least == "above 0"):
                 raise ValueError(f"{name}: expected a limit {least}, got {value!r}")
+        if self.hold > LONG_HOLD:
+            log.warning(
+                "hold: each speed is valid for %g s, so a robot drives on for %g s after the program that sent it; "
+                "it is in seconds: 0.5 is half a second",
+                self.hold,
+                self.hold,
+            )
 
     def within(self, wanted: Velocity) -> Velocity:
         """Return a speed, cut to the limits.

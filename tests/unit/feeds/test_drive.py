@@ -906,6 +906,17 @@ def test_limits_must_make_sense(given: dict[str, object], error: type[Exception]
         Driving(**given)  # type: ignore[arg-type]
 
 
+def test_a_hold_of_minutes_is_told_as_it_may_be_meant_in_milliseconds(caplog: pytest.LogCaptureFixture) -> None:
+    assert Driving(hold=60.0).hold == 60.0
+    assert not caplog.records
+    assert Driving(hold=500).hold == 500
+    [record] = caplog.records
+    assert record.message == (
+        "hold: each speed is valid for 500 s, so a robot drives on for 500 s after the program that sent it; "
+        "it is in seconds: 0.5 is half a second"
+    )
+
+
 def _driving_threads() -> list[threading.Thread]:
     return [thread for thread in threading.enumerate() if thread.name == "robowidgets-drive"]
 
