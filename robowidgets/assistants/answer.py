@@ -17,8 +17,14 @@ from ..messages.any_message import get_any, names_in
 MAX_BYTES = 24_000
 """The largest JSON of an answer, in bytes."""
 
+MAX_LIST_BYTES = 10_000
+"""The largest JSON of a list that is cut, in bytes: an answer has two at most."""
+
 MAX_TEXT = 300
 """The most characters of one text of a robot."""
+
+MAX_PROBLEM_TEXT = 600
+"""The most characters of a problem, which may begin with several names of topics."""
 
 MAX_ITEMS = 12
 """The most entries of a list in a message; its length is reported."""
@@ -127,7 +133,14 @@ def plain(value: Any, depth: int = 0) -> Any:
 
 
 def cut(items: Sequence[Any], most: int) -> dict[str, Any]:
-    """Return the number of items, and the first ones."""
-    return {"count": len(items), "first": list(items[:most])} | (
-        {"left_out": len(items) - most} if len(items) > most else {}
+    """Return the number of items, and the first ones: at most so many, and `MAX_LIST_BYTES` of them."""
+    first: list[Any] = []
+    left = MAX_LIST_BYTES
+    for item in items[:most]:
+        left -= len(json.dumps(item)) + 2
+        if left < 0:
+            break
+        first.append(item)
+    return {"count": len(items), "first": first} | (
+        {"left_out": len(items) - len(first)} if len(first) < len(items) else {}
     )

@@ -62,7 +62,7 @@ class LiveTools:
     def topics(self) -> ToolAnswer:
         """List the topics of the robot."""
         self._connection.await_topics(())
-        topics = [_topic(topic) for topic in self._feed.topics]
+        topics = [_topic(topic) for topic in sorted(self._feed.topics, key=lambda one: one.widget is None)]
         data = {
             "robot": from_robot(self._feed.where),
             "topics": cut(topics, MAX_TOPICS),

@@ -31,7 +31,7 @@ from ..samples.distances import ray_distances
 from ..samples.sector import ALL_ROUND, to_sector
 from ..samples.staleness import RECORDED
 from ..speed.row import SPEED
-from .answer import AnswerError, ToolAnswer, cut, from_robot, name, number, seconds
+from .answer import MAX_PROBLEM_TEXT, AnswerError, ToolAnswer, cut, from_robot, name, number, seconds
 from .describe import describe, distance, ray, said
 from .library import Library
 from .picture import picture_of
@@ -61,7 +61,7 @@ class RecordingTools:
         """Return the length, the topics and the problems of a recording."""
         with self._library.open(recording) as opened:
             opened.check_topics()
-            topics = [_topic(topic) for topic in opened.topics]
+            topics = [_topic(topic) for topic in sorted(opened.topics, key=lambda one: one.widget is None)]
             data = {
                 "seconds": seconds(opened.duration),
                 "start_ns": opened.start_ns,
@@ -76,7 +76,10 @@ class RecordingTools:
         """Check a recording, and return its problems with their remedies."""
         with self._library.open(recording) as opened, without_bars():
             report = opened.doctor()
-            problems = [{"problem": from_robot(one.what), "remedy": from_robot(one.remedy)} for one in report.problems]
+            problems = [
+                {"problem": from_robot(one.what, MAX_PROBLEM_TEXT), "remedy": from_robot(one.remedy, MAX_PROBLEM_TEXT)}
+                for one in report.problems
+            ]
             topics = [
                 {"topic": name(one.topic), "samples": one.samples, "rate_hz": one.rate and number(one.rate)}
                 for one in report.topics
@@ -262,7 +265,7 @@ def _topic(topic: Topic) -> dict[str, Any]:
 
 
 def _problems(problems: Sequence[str]) -> dict[str, Any]:
-    return cut([from_robot(one) for one in problems], MAX_PROBLEMS)
+    return cut([from_robot(one, MAX_PROBLEM_TEXT) for one in problems], MAX_PROBLEMS)
 
 
 def _condition(

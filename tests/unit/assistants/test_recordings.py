@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mcap.writer import Writer
 
 import robowidgets
 from robowidgets import conditions
@@ -216,6 +217,30 @@ def test_texts_of_a_robot_are_cut_and_marked_and_names_of_ros_are_not() -> None:
 def test_an_answer_that_is_too_large_is_an_error() -> None:
     with pytest.raises(AnswerError, match=r"the answer has .* bytes, and 24,000 are allowed"):
         ToolAnswer("", {"values": [1.5] * MAX_BYTES}).checked()
+
+
+def test_a_recording_with_many_long_topics_has_an_answer_that_names_first_what_a_widget_shows(tmp_path: Path) -> None:
+    from robowidgets.assistants.server import AssistantServer
+
+    long = "/planning/scenario_planning/lane_driving/behavior_planning/behavior_path_planner/output/path_"
+    with (tmp_path / "many.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        for topic, kind in [(f"{long}{i}", f"planning_msgs/msg/Internal{i}") for i in range(70)] + [
+            ("/scan", "sensor_msgs/msg/LaserScan")
+        ]:
+            schema = writer.register_schema(name=kind, encoding="ros2msg", data=b"")
+            channel = writer.register_channel(topic=topic, message_encoding="cdr", schema_id=schema)
+            writer.add_message(channel, log_time=10**18, publish_time=10**18, data=bytes([0, 1, 0, 0]) + bytes(64))
+        writer.finish()
+    made = AssistantServer(Library([tmp_path]), None, None, code=False)
+    topics = ask(made, "info", recording="many.mcap")["topics"]
+    assert topics["count"] == 71
+    assert topics["left_out"] == 71 - len(topics["first"])
+    assert (topics["first"][0]["topic"], topics["first"][1]["topic"]) == ("/scan", f"{long}0")
+    problems = ask(made, "doctor", recording="many.mcap")["problems"]["first"]
+    assert any("no definition" in one["problem"]["text"] for one in problems), problems
+    made.close()
 
 
 def test_tools_are_listed_with_schemas_and_descriptions_and_code_is_off(server: Any) -> None:
