@@ -42,6 +42,10 @@ class AnswerError(Exception):
     """The question cannot be answered. The text says what was wrong, what was expected, and what to do."""
 
 
+class QuotingError(AnswerError):
+    """The question cannot be answered, and the text quotes a robot or a file."""
+
+
 @dataclass
 class ToolAnswer:
     """An answer.

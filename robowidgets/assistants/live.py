@@ -16,7 +16,7 @@ from ..runtime.text import listed
 from ..samples import Scan
 from ..samples.staleness import LIVE
 from ..widget.rate import RateMeter
-from .answer import AnswerError, ToolAnswer, cut, from_robot, is_name, name, number, seconds
+from .answer import AnswerError, QuotingError, ToolAnswer, cut, from_robot, is_name, name, number, seconds
 from .describe import describe
 from .reading import MAX_TOPICS, of_distance, of_nearest, of_picture, when
 
@@ -118,7 +118,7 @@ class LiveTools:
                 pass
         if newest.kept is None:
             why = self._connection.status_of(topic) or self._feed.status
-            raise AnswerError(
+            raise QuotingError(
                 f"{topic}: unknown, no message came within {FIRST_MESSAGE_TIMEOUT_S:g} s" + (f": {why}" if why else "")
             )
         message, came, rate = newest.kept

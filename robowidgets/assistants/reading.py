@@ -24,14 +24,14 @@ from ..recordings.odometry import odometry
 from ..recordings.search import conditions
 from ..recordings.search.base import Condition
 from ..recordings.search.comparison import compared
-from ..recordings.topics import Topic, UnknownTopicError, check_known, likeliest
+from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, check_known, likeliest
 from ..runtime.text import many
 from ..samples import Scan
 from ..samples.distances import ray_distances
 from ..samples.sector import ALL_ROUND, to_sector
 from ..samples.staleness import RECORDED
 from ..speed.row import SPEED
-from .answer import MAX_PROBLEM_TEXT, AnswerError, ToolAnswer, cut, from_robot, name, number, seconds
+from .answer import MAX_PROBLEM_TEXT, AnswerError, QuotingError, ToolAnswer, cut, from_robot, name, number, seconds
 from .describe import describe, distance, ray, said
 from .library import Library
 from .picture import picture_of
@@ -90,7 +90,11 @@ class RecordingTools:
     def find(self, recording: str, **asked: Any) -> ToolAnswer:
         """Return the spans in which conditions held."""
         with self._library.open(recording) as opened, without_bars():
-            spans = opened.find(_condition(**asked))
+            try:
+                spans = opened.find(_condition(**asked))
+            except UnnamedTopicError as error:
+                by = KINDS[error.widget].sample_name if error.widget else "silent"
+                raise QuotingError(f"{error.there}: name the topic, as in {by}={error.topics[0]!r}") from None
             found = [
                 {
                     "start_s": seconds(span.start),
@@ -226,7 +230,7 @@ def when(about: dict[str, Any]) -> str:
 def _sample_at(recording: Recording, topic: str, at: float) -> tuple[Any, dict[str, Any]]:
     known = check_known(topic, recording.topics, recording.path.name)
     if not 0 <= at <= recording.duration:
-        raise AnswerError(f"at: expected seconds from the start, 0 to {recording.duration:.3f}, got {at:g}")
+        raise AnswerError(f"seconds: expected seconds from the start, 0 to {recording.duration:.3f}, got {at:g}")
     moment = recording.at(topic, at) if known.widget else recording.message_at(topic, at)
     if moment is None:
         raise AnswerError(f"{topic}: unknown at {at:g} s, as the topic has no sample up to then")
@@ -330,7 +334,7 @@ def _columns(
             return series.seconds, columns
     fields = recording.fields(topic)
     if not names:
-        raise AnswerError(f"fields: name some of {', '.join(fields.names[:40])}")
+        raise QuotingError(f"fields: name some of {', '.join(fields.names[:40])}")
     if len(names) > 6:
         raise AnswerError(f"fields: expected at most 6, got {len(names)}")
     part = fields.between(start, end)
