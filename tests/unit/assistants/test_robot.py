@@ -401,6 +401,7 @@ def test_in_a_notebook_the_server_leaves_the_feed_open_and_stops_the_robot(robot
         ({"drive": True}, ValueError, "drive: expected a feed to drive, got none"),
         ({"drive": "yes"}, TypeError, "drive: expected True or False, got 'yes'"),
         ({"feed": 3}, TypeError, "feed: expected a feed"),
+        ({"recordings": robowidgets.SAMPLE, "port": -1}, ValueError, "port: expected 0 to 65535"),
         ({"recordings": "no/such"}, FileNotFoundError, "no/such: expected a recording"),
     ],
 )
