@@ -61,14 +61,22 @@ class ToolAnswer:
     png: bytes | None = None
 
     def checked(self) -> ToolAnswer:
-        """Return this answer. AnswerError if its JSON is too large."""
-        size = len(json.dumps(self.data, allow_nan=False).encode())
-        if size > MAX_BYTES:
+        """Return this answer as UTF-8 can encode it. AnswerError if its JSON is too large."""
+        made = json.dumps(self.data, allow_nan=False, ensure_ascii=False).encode(errors="replace")
+        if len(made) > MAX_BYTES:
             raise AnswerError(
-                f"the answer has {size:,} bytes, and {MAX_BYTES:,} are allowed: ask for fewer fields or points, or "
-                "for a shorter time"
+                f"the answer has {len(made):,} bytes, and {MAX_BYTES:,} are allowed: ask for fewer fields or points, "
+                "or for a shorter time"
             )
-        return self
+        return ToolAnswer(encodable(self.text), json.loads(made), self.png)
+
+
+def encodable(text: str) -> str:
+    """Return a text with ? for each half of a surrogate pair, which UTF-8 cannot encode: the SDK would end its server.
+
+    JSON of a robot may contain one, and the name of a file that is not UTF-8.
+    """
+    return text.encode(errors="replace").decode()
 
 
 def number(value: Any) -> float | None:

@@ -20,7 +20,7 @@ from pydantic import Field
 from ..feeds import Feed, FeedError
 from ..repair import RecordingError
 from . import code as in_process
-from .answer import AnswerError, QuotingError, ToolAnswer
+from .answer import AnswerError, QuotingError, ToolAnswer, encodable
 from .hand import DriveLimits, Hand
 from .library import Library
 from .live import LiveTools
@@ -337,7 +337,7 @@ def _asker(threads: int, *, abandons: bool = True) -> Callable[[Callable[[], Too
 
 def _for_client(error: Exception) -> ToolError:
     """Return an error for the client. Errors of other parts may quote names of topics and frames."""
-    text = str(error) or type(error).__name__
+    text = encodable(str(error)) or type(error).__name__
     if len(text) > MAX_ERROR:
         text = f"{text[:MAX_ERROR]}… ({len(text) - MAX_ERROR:,} more characters)"
     is_ours = isinstance(error, AnswerError) and not isinstance(error, QuotingError)

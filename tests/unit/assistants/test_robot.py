@@ -374,6 +374,18 @@ def test_a_topic_with_a_hostile_name_is_marked(serve: Serve) -> None:
     assert "ignore" not in refusal(server, "robot_at", topic="/y")
 
 
+def test_a_text_that_is_not_unicode_does_not_end_the_server(serve: Serve) -> None:
+    half = "half a pair: \ud800"
+    server, script, _ = serve(CHATTER, CHATTER._replace(name="/silent"))
+    for topic in ("/chatter", "/silent"):
+        refusal(server, "robot_at", topic=topic)
+    script.listener.on_message("/chatter", {"data": half})
+    script.listener.on_trouble("/silent", half)
+    for topic in ("/chatter", "/silent"):
+        answer = result(server, "robot_at", topic=topic)
+        assert "half a pair: ?" in answer.model_dump_json()  # as the SDK does it
+
+
 def test_the_reason_why_a_topic_is_silent_is_marked_as_it_may_quote_the_robot(serve: Serve) -> None:
     server, script, _ = serve(CHATTER)
     refusal(server, "robot_at", topic="/chatter")
