@@ -12,7 +12,7 @@ from ..feeds import Feed, FeedTopic
 from ..kinds import KINDS
 from ..laser.row import LASER
 from ..recordings.topics import Topic, likeliest
-from ..runtime.text import listed
+from ..runtime.text import listed, many
 from ..samples import Scan
 from ..samples.staleness import LIVE
 from ..widget.rate import RateMeter
@@ -68,9 +68,8 @@ class LiveTools:
             "topics": cut(topics, MAX_TOPICS),
             **({"problem": from_robot(self._feed.status)} if self._feed.status else {}),
         }
-        return ToolAnswer(
-            f"{len(topics)} topics{', and a problem of the connection' if self._feed.status else ''}.", data
-        )
+        problem = ", and a problem of the connection" if self._feed.status else ""
+        return ToolAnswer(f"{many(len(topics), 'topic')}{problem}.", data)
 
     def at(self, topic: str) -> ToolAnswer:
         """Return the newest sample or message of a topic."""

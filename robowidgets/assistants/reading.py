@@ -55,7 +55,9 @@ class RecordingTools:
     def recordings(self) -> ToolAnswer:
         """List the recordings."""
         names = self._library.names()
-        return ToolAnswer(f"{len(names)} recordings that this server may read.", {"recordings": cut(names, MAX_NAMES)})
+        return ToolAnswer(
+            f"{many(len(names), 'recording')} that this server may read.", {"recordings": cut(names, MAX_NAMES)}
+        )
 
     def info(self, recording: str) -> ToolAnswer:
         """Return the length, the topics and the problems of a recording."""
@@ -208,7 +210,7 @@ def of_nearest(scan: Scan, about: dict[str, Any], sector: Any, count: int) -> To
         "rays_in_sector": len(indices),
         "frame": name(scan.frame_id) if scan.frame_id else "unknown",
     }
-    return ToolAnswer(f"{len(found)} rays, the nearest first. {when(about)}", data)
+    return ToolAnswer(f"{many(len(found), 'ray')}, the nearest first. {when(about)}", data)
 
 
 def of_picture(sample: Any, about: dict[str, Any], type_name: str) -> ToolAnswer:
