@@ -32,7 +32,7 @@ from ..samples.sector import ALL_ROUND, to_sector
 from ..samples.staleness import RECORDED
 from ..speed.row import SPEED
 from .answer import MAX_PROBLEM_TEXT, AnswerError, QuotingError, ToolAnswer, cut, from_robot, name, number, seconds
-from .describe import describe, distance, ray, said
+from .describe import describe, distance, frame, ray, said
 from .library import Library
 from .picture import picture_of
 
@@ -190,7 +190,7 @@ def _line(values: NDArray[np.float64], rows: NDArray[np.intp]) -> dict[str, Any]
 def of_distance(scan: Scan, about: dict[str, Any], sector: Any, percentile: float | None) -> ToolAnswer:
     """Return the distance to the nearest thing in a sector of a scan."""
     rays = to_sector(sector) if sector is not None else ALL_ROUND
-    data = {**about, **distance(scan, rays), "frame": name(scan.frame_id) if scan.frame_id else "unknown"}
+    data = {**about, **distance(scan, rays), **frame(scan)}
     if percentile is not None:
         data |= {"percentile": percentile, "distance_m": number(scan.distance(rays, percentile=percentile))}
     return ToolAnswer(f"{said(scan.distance(rays, percentile=percentile))}. {when(about)}", data)
@@ -208,7 +208,7 @@ def of_nearest(scan: Scan, about: dict[str, Any], sector: Any, count: int) -> To
         **about,
         "rays": found,
         "rays_in_sector": len(indices),
-        "frame": name(scan.frame_id) if scan.frame_id else "unknown",
+        **frame(scan),
     }
     return ToolAnswer(f"{many(len(found), 'ray')}, the nearest first. {when(about)}", data)
 

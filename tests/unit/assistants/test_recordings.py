@@ -17,15 +17,19 @@ from mcap.writer import Writer
 import robowidgets
 from robowidgets import conditions
 from robowidgets.assistants.answer import MAX_BYTES, MAX_TEXT, AnswerError, ToolAnswer, from_robot, name, plain
+from robowidgets.assistants.describe import describe
 from robowidgets.assistants.library import Library
 from robowidgets.assistants.picture import of_image, png
+from robowidgets.assistants.reading import of_distance, of_nearest
 from robowidgets.samples import Image
+from robowidgets.samples.mount import Mount
 
 from ..recordings.recorded import write
 from .asking import ask, refusal, result
 
 pytest.importorskip("mcp")
 SAMPLE = "sample.mcap"
+ABOUT = {"at_s": 3.0, "age_s": 0.0, "stale": False}
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +68,20 @@ def test_distances_have_the_index_of_the_ray_the_frame_and_the_age(server: Any, 
     rays = ask(server, "nearest", recording=SAMPLE, seconds=3.05, count=3)["rays"]
     assert rays[0]["index"] == scan.nearest().index
     assert sorted(ray["range_m"] for ray in rays) == [ray["range_m"] for ray in rays]
+
+
+def test_angles_of_a_scanner_that_is_turned_on_its_robot_are_the_robots_and_the_answer_says_so(recording: Any) -> None:
+    scan = recording.at("/scan", 3.0).sample
+    turned = scan.mounted(Mount.by_hand("180deg"))
+    tellers = [
+        describe,
+        lambda one: of_distance(one, ABOUT, None, None).data,
+        lambda one: of_nearest(one, ABOUT, None, 1).data,
+    ]
+    for tell in tellers:
+        assert (tell(scan)["frame"], "angles" in tell(scan)) == (scan.frame_id, False)
+        assert tell(turned)["frame"] == scan.frame_id
+        assert tell(turned)["angles"] == "of the robot, not of this frame: the scanner is turned 180.0° by hand"
 
 
 def test_a_sample_of_a_silent_topic_is_stale_and_the_state_of_a_touch_sensor_is_not(
