@@ -239,14 +239,14 @@ def _sample_at(recording: Recording, topic: str, at: float) -> tuple[Any, dict[s
     age = at - moment.seconds
     # The state of a touch sensor stays until the next message.
     holds = known.widget is not None and not KINDS[known.widget].goes_stale
-    step = 1 / known.rate if known.rate and not holds else inf
+    fresh_for = RECORDED.after(inf) if holds else _fresh_for(known)
     return moment.sample, {
         "topic": name(topic),
         "at_s": seconds(at),
         "sample_s": seconds(moment.seconds),
         "time_ns": moment.time_ns,
         "age_s": seconds(age),
-        "stale": bool(age > RECORDED.after(step)),
+        "stale": bool(age > fresh_for),
     }
 
 
@@ -354,18 +354,18 @@ def _facts(recording: Recording) -> dict[str, Any]:
     made: dict[str, Any] = {"seconds": seconds(recording.duration), "problems": len(recording.problems)}
     scans = _likeliest(recording, LASER.name)
     if scans:
-        columns = recording.scans(scans)
+        columns = recording.scans(scans.name)
         away = columns.distances().astype(float)
         known = np.isfinite(away)
         if known.any():
             least = int(np.where(known, away, inf).argmin())
             made["nearest"] = {"distance_m": number(away[least]), "at_s": seconds(columns.seconds[least])}
-        made["_nearest_m"] = columns.seconds, away
+        made["_nearest_m"] = columns.seconds, away, _fresh_for(scans)
     speeds = _likeliest(recording, SPEED.name)
     if speeds:
-        moved = recording.speeds(speeds)
+        moved = recording.speeds(speeds.name)
         made["fastest_m_s"] = number(np.nanmax(np.abs(moved.linear[:, 0]))) if len(moved) else None
-        made["_speed_m_s"] = moved.seconds, moved.linear[:, 0]
+        made["_speed_m_s"] = moved.seconds, moved.linear[:, 0], _fresh_for(speeds)
     topic = odometry(recording.topics)
     if topic:
         poses = recording.speeds(topic).poses
@@ -378,12 +378,18 @@ def _facts(recording: Recording) -> dict[str, Any]:
     return made
 
 
-def _likeliest(recording: Recording, widget: str) -> str | None:
+def _likeliest(recording: Recording, widget: str) -> Topic | None:
     fitting = [topic for topic in recording.topics if topic.widget == widget and topic.count]
-    return likeliest(fitting).name if fitting else None
+    return likeliest(fitting) if fitting else None
 
 
-def _held(line: tuple[Any, Any], second: float) -> float | None:
-    times, values = line
+def _fresh_for(topic: Topic) -> float:
+    """Return the seconds for which a sample of a topic says something about the present."""
+    return RECORDED.after(1 / topic.rate if topic.rate else inf)
+
+
+def _held(line: tuple[Any, Any, float], second: float) -> float | None:
+    """Return the value at a time, or None before the first sample and while the last one is stale."""
+    times, values, fresh_for = line
     row = int(np.searchsorted(times, second, "right")) - 1
-    return None if row < 0 else number(values[row])
+    return None if row < 0 or second - times[row] > fresh_for else number(values[row])

@@ -122,6 +122,18 @@ def test_compare_has_the_facts_of_each_recording(server: Any) -> None:
     assert (one["touches"], one["fastest_m_s"], len(one["nearest_m_at"])) == (6, 0.6, len(answer["at_s"]))
 
 
+def test_compare_knows_no_value_of_a_topic_that_fell_silent(tmp_path: Path) -> None:
+    from robowidgets.assistants.server import AssistantServer
+
+    types = {"/odom": "nav_msgs/msg/Odometry", "/chatter": "std_msgs/msg/String"}
+    write(tmp_path / "run", types, [(0.1 * i, "/odom", {}) for i in range(20)] + [(30.0, "/chatter", {})])
+    made = AssistantServer(Library([tmp_path]), None, None, code=False)
+    answer = ask(made, "compare", recordings=["run", "run"])
+    assert answer["at_s"][:5] == [0.0, 1.5, 3.0, 4.5, 6.0]
+    assert answer["recordings"][0]["speed_m_s_at"] == [0.0, 0.0, 0.0] + 18 * [None], "2 s after the last one"
+    made.close()
+
+
 def test_a_picture_of_a_scan_is_a_png_that_shows_each_reading_where_it_is(server: Any, recording: Any) -> None:
     from PIL import Image as Pillow
 
