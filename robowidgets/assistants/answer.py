@@ -85,6 +85,17 @@ def number(value: Any) -> float | None:
     return float(f"{value:.7g}") if isfinite(value) else None
 
 
+def exact(value: Any) -> float | None:
+    """Return a whole number exactly, one of float32 with 7 digits, and others with 12, or None if it is not finite."""
+    if isinstance(value, (Integral, np.bool_)):
+        return int(value)
+    value = float(value)
+    if not isfinite(value):
+        return None
+    with np.errstate(over="ignore"):
+        return float(f"{value:.7g}" if float(np.float32(value)) == value else f"{value:.12g}")
+
+
 def seconds(value: float) -> float:
     """Return a time or a duration in seconds, to the microsecond."""
     return round(float(value), 6)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..samples import Range, Ray, Scan, Speed, Touch
 from ..samples.pose import Pose
-from .answer import name, number, plain
+from .answer import exact, name, number, plain
 
 NOTHING, TOO_CLOSE, UNKNOWN = "nothing in range", "too close to measure", "unknown: no ray has a reading"
 
@@ -78,7 +78,7 @@ def ray(one: Ray) -> dict[str, Any]:
 
 def pose(of_robot: Pose) -> dict[str, Any]:
     """Return a pose of odometry."""
-    return {"x_m": number(of_robot.x), "y_m": number(of_robot.y), "yaw_rad": number(of_robot.yaw)}
+    return {"x_m": exact(of_robot.x), "y_m": exact(of_robot.y), "yaw_rad": number(of_robot.yaw)}
 
 
 def _distance(metres: float) -> dict[str, Any]:

@@ -31,7 +31,18 @@ from ..samples.distances import ray_distances
 from ..samples.sector import ALL_ROUND, to_sector
 from ..samples.staleness import RECORDED
 from ..speed.row import SPEED
-from .answer import MAX_PROBLEM_TEXT, AnswerError, QuotingError, ToolAnswer, cut, from_robot, name, number, seconds
+from .answer import (
+    MAX_PROBLEM_TEXT,
+    AnswerError,
+    QuotingError,
+    ToolAnswer,
+    cut,
+    exact,
+    from_robot,
+    name,
+    number,
+    seconds,
+)
 from .describe import describe, distance, frame, ray, said
 from .library import Library
 from .picture import picture_of
@@ -102,7 +113,7 @@ class RecordingTools:
                     "start_s": seconds(span.start),
                     "end_s": seconds(span.end),
                     **({} if span.nearest is None else {"nearest_m": number(span.nearest), "index": span.index}),
-                    **({} if span.value is None else {"value": number(span.value)}),
+                    **({} if span.value is None else {"value": exact(span.value)}),
                     **({"silent": [name(topic) for topic in span.silent]} if span.silent else {}),
                 }
                 for span in spans
@@ -178,12 +189,12 @@ class RecordingTools:
         return ToolAnswer(text, {"at_s": at, "recordings": made})
 
 
-def _line(values: NDArray[np.float64], rows: NDArray[np.intp]) -> dict[str, Any]:
+def _line(values: NDArray[Any], rows: NDArray[np.intp]) -> dict[str, Any]:
     """Return the values of some rows, and the extremes of all."""
     known = values[np.isfinite(values)]
-    made: dict[str, Any] = {"values": [number(values[i]) for i in rows], "unknown": len(values) - len(known)}
+    made: dict[str, Any] = {"values": [exact(values[i]) for i in rows], "unknown": len(values) - len(known)}
     if len(known):
-        made |= {"min": number(known.min()), "max": number(known.max()), "mean": number(known.mean())}
+        made |= {"min": exact(known.min()), "max": exact(known.max()), "mean": exact(known.mean())}
     return made
 
 
@@ -345,7 +356,7 @@ def _columns(
         column = np.asarray(part[one])
         if column.ndim != 1 or column.dtype.kind not in "fiub":
             raise AnswerError(f"fields: {one!r} is not a number per message; ask `at` for it")
-        made[one] = column.astype(float)
+        made[one] = column
     return part.seconds, made
 
 

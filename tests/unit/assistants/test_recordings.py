@@ -24,7 +24,7 @@ from robowidgets.assistants.reading import of_distance, of_nearest
 from robowidgets.samples import Image
 from robowidgets.samples.mount import Mount
 
-from ..recordings.recorded import write
+from ..recordings.recorded import stamped, write
 from .asking import ask, refusal, result
 
 pytest.importorskip("mcp")
@@ -113,6 +113,25 @@ def test_a_series_has_a_few_points_and_the_extremes_of_all(server: Any, recordin
     assert line["min"] == pytest.approx(float(away.min()))
     text = refusal(server, "series", recording=SAMPLE, topic="/odom", fields=["pose.covariance"])
     assert text == "fields: 'pose.covariance' is not a number per message; ask `at` for it"
+
+
+def test_degrees_of_a_gps_and_stamps_keep_their_digits(tmp_path: Path) -> None:
+    from robowidgets.assistants.server import AssistantServer
+
+    fix = {"header": stamped(1_710_538_448_451_679_912), "latitude": 42.2998013092, "longitude": -83.6974803629}
+    odometry = {"pose": {"pose": {"position": {"x": 435123.4567, "y": 0.0, "z": 0.0}}}}
+    types = {"/fix": "sensor_msgs/msg/NavSatFix", "/odom": "nav_msgs/msg/Odometry"}
+    write(tmp_path / "run", types, [(0.0, "/fix", fix), (1.0, "/fix", fix), (1.0, "/odom", odometry)])
+    made = AssistantServer(Library([tmp_path]), None, None, code=False)
+    fields = ["latitude", "longitude", "header.stamp", "header.stamp.sec", "status.status"]
+    found = ask(made, "series", recording="run", topic="/fix", fields=fields)["fields"]
+    values = [found[field]["values"][1] for field in fields]
+    assert values == [42.2998013092, -83.6974803629, 1_710_538_448_451_679_912, 1_710_538_448, 0]
+    assert (found["latitude"]["mean"], found["header.stamp"]["max"]) == (42.2998013092, 1_710_538_448_451_679_912)
+    assert ask(made, "at", recording="run", topic="/odom", seconds=1.0)["pose"]["x_m"] == 435123.4567
+    span = ask(made, "find", recording="run", fields=["/fix.latitude > 42"])["spans"]["first"][0]
+    assert span["value"] == 42.2998013092
+    made.close()
 
 
 def test_compare_has_the_facts_of_each_recording(server: Any) -> None:
