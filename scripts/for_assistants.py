@@ -19,8 +19,8 @@ _LINK = re.compile(r"\]\((?!https?:)([^)]+)\)")
 
 ABOUT = """\
 robowidgets is a Python package: the hard data of a robot's sensors, live in the notebook where the robot is programmed.
-It reads recordings (ROS 1 bags, rosbag2, MCAP, CARMEN logs) and running robots (ROS 2, DDS, Foxglove, rosbridge, ROS 1,
-a built-in simulator), and drives them. Units are SI, angles counter-clockwise from forward (REP 103)."""
+It reads recordings (ROS 1 bags, rosbag2, MCAP, CARMEN logs) and running robots (ROS 2, DDS, Zenoh, Foxglove, rosbridge,
+ROS 1, a built-in simulator), and drives them. Units are SI, angles counter-clockwise from forward (REP 103)."""
 
 RULES = """\
 - `import robowidgets`; `recording = robowidgets.open("drive.mcap")`; `robot = robowidgets.feeds.simulator()`.

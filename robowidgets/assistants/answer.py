@@ -17,8 +17,14 @@ from ..messages.any_message import get_any, names_in
 MAX_BYTES = 24_000
 """The largest JSON of an answer, in bytes."""
 
+MAX_LIST_BYTES = 10_000
+"""The largest JSON of a list that is cut, in bytes: an answer has two at most."""
+
 MAX_TEXT = 300
 """The most characters of one text of a robot."""
+
+MAX_PROBLEM_TEXT = 600
+"""The most characters of a problem, which may begin with several names of topics."""
 
 MAX_ITEMS = 12
 """The most entries of a list in a message; its length is reported."""
@@ -36,6 +42,10 @@ class AnswerError(Exception):
     """The question cannot be answered. The text says what was wrong, what was expected, and what to do."""
 
 
+class QuotingError(AnswerError):
+    """The question cannot be answered, and the text quotes a robot or a file."""
+
+
 @dataclass
 class ToolAnswer:
     """An answer.
@@ -51,20 +61,39 @@ class ToolAnswer:
     png: bytes | None = None
 
     def checked(self) -> ToolAnswer:
-        """Return this answer. AnswerError if its JSON is too large."""
-        size = len(json.dumps(self.data, allow_nan=False).encode())
-        if size > MAX_BYTES:
+        """Return this answer as UTF-8 can encode it. AnswerError if its JSON is too large."""
+        made = json.dumps(self.data, allow_nan=False, ensure_ascii=False).encode(errors="replace")
+        if len(made) > MAX_BYTES:
             raise AnswerError(
-                f"the answer has {size:,} bytes, and {MAX_BYTES:,} are allowed: ask for fewer fields or points, or "
-                "for a shorter time"
+                f"the answer has {len(made):,} bytes, and {MAX_BYTES:,} are allowed: ask for fewer fields or points, "
+                "or for a shorter time"
             )
-        return self
+        return ToolAnswer(encodable(self.text), json.loads(made), self.png)
+
+
+def encodable(text: str) -> str:
+    """Return a text with ? for each half of a surrogate pair, which UTF-8 cannot encode: the SDK would end its server.
+
+    JSON of a robot may contain one, and the name of a file that is not UTF-8.
+    """
+    return text.encode(errors="replace").decode()
 
 
 def number(value: Any) -> float | None:
     """Return a number of JSON with at most 7 digits, as many as float32 has, or None if it is not finite: unknown."""
     value = float(value)
     return float(f"{value:.7g}") if isfinite(value) else None
+
+
+def exact(value: Any) -> float | None:
+    """Return a whole number exactly, one of float32 with 7 digits, and others with 12, or None if it is not finite."""
+    if isinstance(value, (Integral, np.bool_)):
+        return int(value)
+    value = float(value)
+    if not isfinite(value):
+        return None
+    with np.errstate(over="ignore"):
+        return float(f"{value:.7g}" if float(np.float32(value)) == value else f"{value:.12g}")
 
 
 def seconds(value: float) -> float:
@@ -127,7 +156,14 @@ def plain(value: Any, depth: int = 0) -> Any:
 
 
 def cut(items: Sequence[Any], most: int) -> dict[str, Any]:
-    """Return the number of items, and the first ones."""
-    return {"count": len(items), "first": list(items[:most])} | (
-        {"left_out": len(items) - most} if len(items) > most else {}
+    """Return the number of items, and the first ones: at most so many, and `MAX_LIST_BYTES` of them."""
+    first: list[Any] = []
+    left = MAX_LIST_BYTES
+    for item in items[:most]:
+        left -= len(json.dumps(item)) + 2
+        if left < 0:
+            break
+        first.append(item)
+    return {"count": len(items), "first": first} | (
+        {"left_out": len(items) - len(first)} if len(first) < len(items) else {}
     )

@@ -19,7 +19,7 @@ from typing import Any
 import anyio
 
 from ..runtime.text import many
-from .answer import AnswerError, ToolAnswer, from_robot, name, number, seconds
+from .answer import AnswerError, QuotingError, ToolAnswer, from_robot, name, number, seconds
 
 TIMEOUT_S = 60.0
 """Seconds after which the process is killed."""
@@ -56,7 +56,7 @@ async def run(job: Mapping[str, Any], timeout: float = TIMEOUT_S) -> ToolAnswer:
         except ValueError:
             raise AnswerError(f"the process of the code ended without an answer, with code {done.returncode}") from None
         if text is None:
-            raise AnswerError(data)
+            raise QuotingError(data)
         return ToolAnswer(text, data)
     raise AnswerError(f"the code did not return within {timeout:g} s, and its process was killed")
 

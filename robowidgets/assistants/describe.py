@@ -7,7 +7,7 @@ from typing import Any
 
 from ..samples import Range, Ray, Scan, Speed, Touch
 from ..samples.pose import Pose
-from .answer import name, number, plain
+from .answer import exact, name, number, plain
 
 NOTHING, TOO_CLOSE, UNKNOWN = "nothing in range", "too close to measure", "unknown: no ray has a reading"
 
@@ -78,7 +78,7 @@ def ray(one: Ray) -> dict[str, Any]:
 
 def pose(of_robot: Pose) -> dict[str, Any]:
     """Return a pose of odometry."""
-    return {"x_m": number(of_robot.x), "y_m": number(of_robot.y), "yaw_rad": number(of_robot.yaw)}
+    return {"x_m": exact(of_robot.x), "y_m": exact(of_robot.y), "yaw_rad": number(of_robot.yaw)}
 
 
 def _distance(metres: float) -> dict[str, Any]:
@@ -93,8 +93,17 @@ def said(metres: float) -> str:
     return f"{metres:.3g} m"
 
 
-def _about(sample: Any) -> dict[str, Any]:
-    stamp, frame = getattr(sample, "stamp_ns", None), getattr(sample, "frame_id", None)
-    return ({} if frame is None else {"frame": name(frame) if frame else "unknown"}) | (
-        {"stamp": "unknown"} if stamp is None else {"stamp_ns": stamp}
+def frame(sample: Any) -> dict[str, Any]:
+    """Return the frame of a sample, and for a scanner that is turned on its robot, that angles are the robot's."""
+    named, mount = getattr(sample, "frame_id", None), getattr(sample, "mount", None)
+    if named is None:
+        return {}
+    turned = "" if mount is None else mount.words
+    return {"frame": name(named) if named else "unknown"} | (
+        {"angles": f"of the robot, not of this frame: the scanner is {turned}"} if turned else {}
     )
+
+
+def _about(sample: Any) -> dict[str, Any]:
+    stamp = getattr(sample, "stamp_ns", None)
+    return frame(sample) | ({"stamp": "unknown"} if stamp is None else {"stamp_ns": stamp})

@@ -11,7 +11,7 @@ from ..driving.command_watchdog import ASSISTANT, PROGRAM, ZERO, Lease, Velocity
 from ..feeds import Feed, FeedError
 from ..runtime.clock import Threads, Ticket
 from ..samples.checks import finite
-from .answer import AnswerError, ToolAnswer, from_robot, number, seconds
+from .answer import AnswerError, ToolAnswer, from_robot, name, number, seconds
 
 MAX_LINEAR, MAX_ANGULAR = 0.2, 0.5
 """The default limits of an assistant, in m/s and rad/s."""
@@ -46,9 +46,9 @@ class DriveLimits:
     lease: float = LEASE_S
 
     def __post_init__(self) -> None:
-        for name, unit in (("max_linear", "m/s"), ("max_angular", "rad/s"), ("lease", "seconds")):
-            if finite(name, getattr(self, name), unit) <= 0:
-                raise ValueError(f"{name}: expected {unit} above 0, got {getattr(self, name)!r}")
+        for limit, unit in (("max_linear", "m/s"), ("max_angular", "rad/s"), ("lease", "seconds")):
+            if finite(limit, getattr(self, limit), unit) <= 0:
+                raise ValueError(f"{limit}: expected {unit} above 0, got {getattr(self, limit)!r}")
         if self.lease > LONGEST_LEASE_S:
             raise ValueError(f"lease: expected at most {LONGEST_LEASE_S:g} s, got {self.lease!r}")
 
@@ -174,7 +174,7 @@ class Hand:
             "seconds_left": seconds(watchdog.lease_left),
             "last_sent": {"linear_m_s": number(sent.linear), "angular_rad_s": number(sent.angular)},
             "stopped": watchdog.stopped,
-            "topic": self._driver.topic,
+            "topic": name(self._driver.topic),
             "warnings": from_robot(self._feed.drive_status) if self._feed.drive_status else "",
             "last_end": from_robot(self._last_end) if self._last_end else "",
         }  # fmt: skip

@@ -64,10 +64,12 @@ class HttpServer:
         token: the token.
 
     Raises:
-        OSError: the port is taken.
+        ValueError: the port does not exist. OSError: it is taken.
     """
 
     def __init__(self, server: AssistantServer, port: int = 0, token: str = "") -> None:
+        if not 0 <= port <= 65535:
+            raise ValueError(f"port: expected 0 to 65535, where 0 is any free one, got {port}")
         self.token = token or secrets.token_urlsafe(32)
         self._socket = socket.create_server((HOST, port))
         self.url = f"http://{HOST}:{self._socket.getsockname()[1]}{PATH}"

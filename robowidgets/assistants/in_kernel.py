@@ -82,7 +82,7 @@ def assistant(
     Raises:
         ImportError: the SDK is not installed (extra ``mcp``).
         TypeError: feed is not a feed, or drive is neither True nor False.
-        ValueError: a limit is not above 0, or there is nothing to serve.
+        ValueError: a limit is not above 0, the port does not exist, or there is nothing to serve.
         OSError: a place does not exist, or the port is taken.
 
     Examples:

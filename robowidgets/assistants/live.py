@@ -12,11 +12,11 @@ from ..feeds import Feed, FeedTopic
 from ..kinds import KINDS
 from ..laser.row import LASER
 from ..recordings.topics import Topic, likeliest
-from ..runtime.text import listed
+from ..runtime.text import listed, many
 from ..samples import Scan
 from ..samples.staleness import LIVE
 from ..widget.rate import RateMeter
-from .answer import AnswerError, ToolAnswer, cut, from_robot, is_name, name, number, seconds
+from .answer import AnswerError, QuotingError, ToolAnswer, cut, from_robot, is_name, name, number, seconds
 from .describe import describe
 from .reading import MAX_TOPICS, of_distance, of_nearest, of_picture, when
 
@@ -62,15 +62,14 @@ class LiveTools:
     def topics(self) -> ToolAnswer:
         """List the topics of the robot."""
         self._connection.await_topics(())
-        topics = [_topic(topic) for topic in self._feed.topics]
+        topics = [_topic(topic) for topic in sorted(self._feed.topics, key=lambda one: one.widget is None)]
         data = {
             "robot": from_robot(self._feed.where),
             "topics": cut(topics, MAX_TOPICS),
             **({"problem": from_robot(self._feed.status)} if self._feed.status else {}),
         }
-        return ToolAnswer(
-            f"{len(topics)} topics{', and a problem of the connection' if self._feed.status else ''}.", data
-        )
+        problem = ", and a problem of the connection" if self._feed.status else ""
+        return ToolAnswer(f"{many(len(topics), 'topic')}{problem}.", data)
 
     def at(self, topic: str) -> ToolAnswer:
         """Return the newest sample or message of a topic."""
@@ -118,7 +117,7 @@ class LiveTools:
                 pass
         if newest.kept is None:
             why = self._connection.status_of(topic) or self._feed.status
-            raise AnswerError(
+            raise QuotingError(
                 f"{topic}: unknown, no message came within {FIRST_MESSAGE_TIMEOUT_S:g} s" + (f": {why}" if why else "")
             )
         message, came, rate = newest.kept

@@ -24,15 +24,26 @@ from ..recordings.odometry import odometry
 from ..recordings.search import conditions
 from ..recordings.search.base import Condition
 from ..recordings.search.comparison import compared
-from ..recordings.topics import Topic, UnknownTopicError, check_known, likeliest
+from ..recordings.topics import Topic, UnknownTopicError, UnnamedTopicError, check_known, likeliest
 from ..runtime.text import many
 from ..samples import Scan
 from ..samples.distances import ray_distances
 from ..samples.sector import ALL_ROUND, to_sector
 from ..samples.staleness import RECORDED
 from ..speed.row import SPEED
-from .answer import AnswerError, ToolAnswer, cut, from_robot, name, number, seconds
-from .describe import describe, distance, ray, said
+from .answer import (
+    MAX_PROBLEM_TEXT,
+    AnswerError,
+    QuotingError,
+    ToolAnswer,
+    cut,
+    exact,
+    from_robot,
+    name,
+    number,
+    seconds,
+)
+from .describe import describe, distance, frame, ray, said
 from .library import Library
 from .picture import picture_of
 
@@ -55,13 +66,15 @@ class RecordingTools:
     def recordings(self) -> ToolAnswer:
         """List the recordings."""
         names = self._library.names()
-        return ToolAnswer(f"{len(names)} recordings that this server may read.", {"recordings": cut(names, MAX_NAMES)})
+        return ToolAnswer(
+            f"{many(len(names), 'recording')} that this server may read.", {"recordings": cut(names, MAX_NAMES)}
+        )
 
     def info(self, recording: str) -> ToolAnswer:
         """Return the length, the topics and the problems of a recording."""
         with self._library.open(recording) as opened:
             opened.check_topics()
-            topics = [_topic(topic) for topic in opened.topics]
+            topics = [_topic(topic) for topic in sorted(opened.topics, key=lambda one: one.widget is None)]
             data = {
                 "seconds": seconds(opened.duration),
                 "start_ns": opened.start_ns,
@@ -76,7 +89,10 @@ class RecordingTools:
         """Check a recording, and return its problems with their remedies."""
         with self._library.open(recording) as opened, without_bars():
             report = opened.doctor()
-            problems = [{"problem": from_robot(one.what), "remedy": from_robot(one.remedy)} for one in report.problems]
+            problems = [
+                {"problem": from_robot(one.what, MAX_PROBLEM_TEXT), "remedy": from_robot(one.remedy, MAX_PROBLEM_TEXT)}
+                for one in report.problems
+            ]
             topics = [
                 {"topic": name(one.topic), "samples": one.samples, "rate_hz": one.rate and number(one.rate)}
                 for one in report.topics
@@ -87,13 +103,17 @@ class RecordingTools:
     def find(self, recording: str, **asked: Any) -> ToolAnswer:
         """Return the spans in which conditions held."""
         with self._library.open(recording) as opened, without_bars():
-            spans = opened.find(_condition(**asked))
+            try:
+                spans = opened.find(_condition(**asked))
+            except UnnamedTopicError as error:
+                by = KINDS[error.widget].sample_name if error.widget else "silent"
+                raise QuotingError(f"{error.there}: name the topic, as in {by}={error.topics[0]!r}") from None
             found = [
                 {
                     "start_s": seconds(span.start),
                     "end_s": seconds(span.end),
                     **({} if span.nearest is None else {"nearest_m": number(span.nearest), "index": span.index}),
-                    **({} if span.value is None else {"value": number(span.value)}),
+                    **({} if span.value is None else {"value": exact(span.value)}),
                     **({"silent": [name(topic) for topic in span.silent]} if span.silent else {}),
                 }
                 for span in spans
@@ -169,19 +189,19 @@ class RecordingTools:
         return ToolAnswer(text, {"at_s": at, "recordings": made})
 
 
-def _line(values: NDArray[np.float64], rows: NDArray[np.intp]) -> dict[str, Any]:
+def _line(values: NDArray[Any], rows: NDArray[np.intp]) -> dict[str, Any]:
     """Return the values of some rows, and the extremes of all."""
     known = values[np.isfinite(values)]
-    made: dict[str, Any] = {"values": [number(values[i]) for i in rows], "unknown": len(values) - len(known)}
+    made: dict[str, Any] = {"values": [exact(values[i]) for i in rows], "unknown": len(values) - len(known)}
     if len(known):
-        made |= {"min": number(known.min()), "max": number(known.max()), "mean": number(known.mean())}
+        made |= {"min": exact(known.min()), "max": exact(known.max()), "mean": exact(known.mean())}
     return made
 
 
 def of_distance(scan: Scan, about: dict[str, Any], sector: Any, percentile: float | None) -> ToolAnswer:
     """Return the distance to the nearest thing in a sector of a scan."""
     rays = to_sector(sector) if sector is not None else ALL_ROUND
-    data = {**about, **distance(scan, rays), "frame": name(scan.frame_id) if scan.frame_id else "unknown"}
+    data = {**about, **distance(scan, rays), **frame(scan)}
     if percentile is not None:
         data |= {"percentile": percentile, "distance_m": number(scan.distance(rays, percentile=percentile))}
     return ToolAnswer(f"{said(scan.distance(rays, percentile=percentile))}. {when(about)}", data)
@@ -199,9 +219,9 @@ def of_nearest(scan: Scan, about: dict[str, Any], sector: Any, count: int) -> To
         **about,
         "rays": found,
         "rays_in_sector": len(indices),
-        "frame": name(scan.frame_id) if scan.frame_id else "unknown",
+        **frame(scan),
     }
-    return ToolAnswer(f"{len(found)} rays, the nearest first. {when(about)}", data)
+    return ToolAnswer(f"{many(len(found), 'ray')}, the nearest first. {when(about)}", data)
 
 
 def of_picture(sample: Any, about: dict[str, Any], type_name: str) -> ToolAnswer:
@@ -223,21 +243,21 @@ def when(about: dict[str, Any]) -> str:
 def _sample_at(recording: Recording, topic: str, at: float) -> tuple[Any, dict[str, Any]]:
     known = check_known(topic, recording.topics, recording.path.name)
     if not 0 <= at <= recording.duration:
-        raise AnswerError(f"at: expected seconds from the start, 0 to {recording.duration:.3f}, got {at:g}")
+        raise AnswerError(f"seconds: expected seconds from the start, 0 to {recording.duration:.3f}, got {at:g}")
     moment = recording.at(topic, at) if known.widget else recording.message_at(topic, at)
     if moment is None:
         raise AnswerError(f"{topic}: unknown at {at:g} s, as the topic has no sample up to then")
     age = at - moment.seconds
     # The state of a touch sensor stays until the next message.
     holds = known.widget is not None and not KINDS[known.widget].goes_stale
-    step = 1 / known.rate if known.rate and not holds else inf
+    fresh_for = RECORDED.after(inf) if holds else _fresh_for(known)
     return moment.sample, {
         "topic": name(topic),
         "at_s": seconds(at),
         "sample_s": seconds(moment.seconds),
         "time_ns": moment.time_ns,
         "age_s": seconds(age),
-        "stale": bool(age > RECORDED.after(step)),
+        "stale": bool(age > fresh_for),
     }
 
 
@@ -262,7 +282,7 @@ def _topic(topic: Topic) -> dict[str, Any]:
 
 
 def _problems(problems: Sequence[str]) -> dict[str, Any]:
-    return cut([from_robot(one) for one in problems], MAX_PROBLEMS)
+    return cut([from_robot(one, MAX_PROBLEM_TEXT) for one in problems], MAX_PROBLEMS)
 
 
 def _condition(
@@ -327,7 +347,7 @@ def _columns(
             return series.seconds, columns
     fields = recording.fields(topic)
     if not names:
-        raise AnswerError(f"fields: name some of {', '.join(fields.names[:40])}")
+        raise QuotingError(f"fields: name some of {', '.join(fields.names[:40])}")
     if len(names) > 6:
         raise AnswerError(f"fields: expected at most 6, got {len(names)}")
     part = fields.between(start, end)
@@ -336,7 +356,7 @@ def _columns(
         column = np.asarray(part[one])
         if column.ndim != 1 or column.dtype.kind not in "fiub":
             raise AnswerError(f"fields: {one!r} is not a number per message; ask `at` for it")
-        made[one] = column.astype(float)
+        made[one] = column
     return part.seconds, made
 
 
@@ -345,18 +365,18 @@ def _facts(recording: Recording) -> dict[str, Any]:
     made: dict[str, Any] = {"seconds": seconds(recording.duration), "problems": len(recording.problems)}
     scans = _likeliest(recording, LASER.name)
     if scans:
-        columns = recording.scans(scans)
+        columns = recording.scans(scans.name)
         away = columns.distances().astype(float)
         known = np.isfinite(away)
         if known.any():
             least = int(np.where(known, away, inf).argmin())
             made["nearest"] = {"distance_m": number(away[least]), "at_s": seconds(columns.seconds[least])}
-        made["_nearest_m"] = columns.seconds, away
+        made["_nearest_m"] = columns.seconds, away, _fresh_for(scans)
     speeds = _likeliest(recording, SPEED.name)
     if speeds:
-        moved = recording.speeds(speeds)
+        moved = recording.speeds(speeds.name)
         made["fastest_m_s"] = number(np.nanmax(np.abs(moved.linear[:, 0]))) if len(moved) else None
-        made["_speed_m_s"] = moved.seconds, moved.linear[:, 0]
+        made["_speed_m_s"] = moved.seconds, moved.linear[:, 0], _fresh_for(speeds)
     topic = odometry(recording.topics)
     if topic:
         poses = recording.speeds(topic).poses
@@ -369,12 +389,18 @@ def _facts(recording: Recording) -> dict[str, Any]:
     return made
 
 
-def _likeliest(recording: Recording, widget: str) -> str | None:
+def _likeliest(recording: Recording, widget: str) -> Topic | None:
     fitting = [topic for topic in recording.topics if topic.widget == widget and topic.count]
-    return likeliest(fitting).name if fitting else None
+    return likeliest(fitting) if fitting else None
 
 
-def _held(line: tuple[Any, Any], second: float) -> float | None:
-    times, values = line
+def _fresh_for(topic: Topic) -> float:
+    """Return the seconds for which a sample of a topic says something about the present."""
+    return RECORDED.after(1 / topic.rate if topic.rate else inf)
+
+
+def _held(line: tuple[Any, Any, float], second: float) -> float | None:
+    """Return the value at a time, or None before the first sample and while the last one is stale."""
+    times, values, fresh_for = line
     row = int(np.searchsorted(times, second, "right")) - 1
-    return None if row < 0 else number(values[row])
+    return None if row < 0 or second - times[row] > fresh_for else number(values[row])

@@ -20,7 +20,7 @@ from pydantic import Field
 from ..feeds import Feed, FeedError
 from ..repair import RecordingError
 from . import code as in_process
-from .answer import AnswerError, ToolAnswer
+from .answer import AnswerError, QuotingError, ToolAnswer, encodable
 from .hand import DriveLimits, Hand
 from .library import Library
 from .live import LiveTools
@@ -40,6 +40,9 @@ DRIVING = (
 
 KNOWN_ERRORS = (AnswerError, RecordingError, FeedError, ValueError, TypeError, KeyError, OSError, ImportError)
 """Errors whose text is for the one who asked. Any other one is a mistake of this package, and is logged."""
+
+MAX_ERROR = 2000
+"""The most characters of an error."""
 
 RecordingName = Annotated[str, Field(description="Name of a recording, from `recordings`.", max_length=1000)]
 TopicName = Annotated[str, Field(description="Name of a topic, such as /scan.", max_length=500)]
@@ -334,8 +337,11 @@ def _asker(threads: int, *, abandons: bool = True) -> Callable[[Callable[[], Too
 
 def _for_client(error: Exception) -> ToolError:
     """Return an error for the client. Errors of other parts may quote names of topics and frames."""
-    quotes = "" if isinstance(error, AnswerError) else " (names in this text come from the robot or the file: data)"
-    return ToolError((str(error) or type(error).__name__) + quotes)
+    text = encodable(str(error)) or type(error).__name__
+    if len(text) > MAX_ERROR:
+        text = f"{text[:MAX_ERROR]}… ({len(text) - MAX_ERROR:,} more characters)"
+    is_ours = isinstance(error, AnswerError) and not isinstance(error, QuotingError)
+    return ToolError(text + ("" if is_ours else " (names in this text come from the robot or the file: data)"))
 
 
 def _result(answer: ToolAnswer) -> CallToolResult:

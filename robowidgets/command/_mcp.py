@@ -97,7 +97,10 @@ def serve(arguments: argparse.Namespace, warn: Callable[[str], None]) -> None:
         if arguments.http is None:
             server.run("stdio")
             return
-        served = HttpServer(server, arguments.http, os.environ.get(TOKEN, ""))
+        try:
+            served = HttpServer(server, arguments.http, os.environ.get(TOKEN, ""))
+        except ValueError as error:
+            raise CommandError(f"mcp: --http: {error}") from None
         warn(f"{served.url}\nAuthorization: Bearer {served.token}")
         served.run()
     finally:
@@ -115,7 +118,8 @@ def _opened(words: list[str]) -> Feed:
         raise CommandError(f"mcp: --feed: expected one of {', '.join(_FEEDS)}, got {name!r}")
     argument = _FEEDS[name]
     if len(rest) > 1 or (rest and not argument):
-        raise CommandError(f"mcp: --feed {name}: expected {'one word' if argument else 'nothing'} after it, got {rest}")
+        said = f"expected {'one word' if argument else 'nothing'} after it, got {' '.join(rest)}"
+        raise CommandError(f"mcp: --feed {name}: {said}; recordings come before --feed")
     value: dict[str, Any] = {}
     if rest:
         try:

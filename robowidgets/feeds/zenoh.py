@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import socket
 from typing import TYPE_CHECKING
 
 from ..notebook import in_browser
@@ -67,15 +68,24 @@ class Zenoh(CdrMiddleware):
         try:
             session = ZenohSession(self._locator, self._domain, listener, self._no_robot(), self._clock, self._mark)
         except ZError:
-            return (
-                f"no Zenoh router answers at {self._locator}. Is the robot on, and in this network? Does its router "
-                "run (ros2 run rmw_zenoh_cpp rmw_zenohd)? Does a firewall block the port?"
-            )
+            return self._no_router()
         try:
             self._serve(session, listener)
         except RouterLostError as lost:
             return str(lost)
         return ""
+
+    def _no_router(self) -> str:
+        """Return the reason why no router was reached. Zenoh itself reports only that its time is over."""
+        host = self._locator.partition("/")[2].rpartition(":")[0].strip("[]")
+        try:
+            socket.getaddrinfo(host, None)
+        except OSError:
+            return f"the name {host} cannot be resolved; try the robot's IP address"
+        return (
+            f"no Zenoh router answers at {self._locator}. Is the robot on, and in this network? Does its router "
+            "run (ros2 run rmw_zenoh_cpp rmw_zenohd)? Does a firewall block the port?"
+        )
 
     def _no_robot(self) -> str:
         return (
@@ -89,11 +99,13 @@ def checked_locator(locator: object) -> str:
     expected = "locator: expected the address of the robot's Zenoh router, such as 'tcp/robot:7447' or 'robot'"
     if not isinstance(locator, str):
         raise TypeError(f"{expected}, got {locator!r}")
-    if found := _HOST.fullmatch(locator):
-        return f"tcp/{found[1]}{found[2] or f':{PORT}'}"
-    if not _LOCATOR.fullmatch(locator):
+    found = _HOST.fullmatch(locator)
+    whole = f"tcp/{found[1]}{found[2] or f':{PORT}'}" if found else locator
+    if not _LOCATOR.fullmatch(whole):
         raise ValueError(f"{expected}, got {locator!r}")
-    return locator
+    if not 0 < int(whole.rpartition(":")[2]) <= 65535:
+        raise ValueError(f"{expected}, with a port of 1 to 65535, got {locator!r}")
+    return whole
 
 
 def zenoh(locator: str = "tcp/127.0.0.1:7447", domain: int = 0) -> Feed:

@@ -160,7 +160,11 @@ def test_code_that_does_not_return_is_killed_and_an_error_of_it_is_told() -> Non
         ([FOLDER, "--max-linear", "1"], "mcp: limits need --drive, which is missing"),
         (["--feed", "nonsense"], "mcp: --feed: expected one of simulator, foxglove"),
         (["--feed", "dds", "x"], "mcp: --feed dds: expected the number of a domain, got 'x'"),
-        (["--feed", "simulator", "x"], "mcp: --feed simulator: expected nothing after it"),
+        (
+            ["--feed", "simulator", "x", "y"],
+            "mcp: --feed simulator: expected nothing after it, got x y; recordings come before --feed",
+        ),
+        ([FOLDER, "--http", "99999"], "mcp: --http: port: expected 0 to 65535, where 0 is any free one, got 99999"),
         (["--feed", "simulator", "--drive", "--lease", "99"], "mcp: lease: expected at most 30 s, got 99.0"),
         (["no/such/folder"], "no/such/folder: expected a recording, or a folder of recordings; it does not exist"),
     ],

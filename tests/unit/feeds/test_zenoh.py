@@ -399,6 +399,13 @@ def test_an_address_without_a_router_says_what_to_check(heard: Ears, port: int) 
             zenoh.publish("/cmd_vel", TWIST, moving(0.0))
 
 
+def test_a_name_that_cannot_be_resolved_is_reported(heard: Ears) -> None:
+    with closing(Zenoh("tls/no-such-robot.invalid:7447")) as zenoh:
+        zenoh.open(heard)
+        wait_for(lambda: heard.lost, "the failure is reported")
+        assert heard.lost[0] == "the name no-such-robot.invalid cannot be resolved; try the robot's IP address"
+
+
 @pytest.mark.parametrize(
     ("given", "expected"),
     [
@@ -412,7 +419,10 @@ def test_the_address_may_be_short(given: str, expected: str) -> None:
     assert checked_locator(given) == expected
 
 
-@pytest.mark.parametrize("wrong", ["", "tcp/robot", "http://robot:7447", 'tcp/robot:7447"]', "tcp/a b:1", 7447, None])
+@pytest.mark.parametrize(
+    "wrong",
+    ["", "tcp/robot", "http://robot:7447", 'tcp/robot:7447"]', "tcp/a b:1", "robot:74477", "tcp/robot:0", 7447, None],
+)
 def test_wrong_arguments_are_refused_by_name(wrong: Any) -> None:
     with pytest.raises((TypeError, ValueError), match="locator: expected the address of the robot's Zenoh router"):
         Zenoh(wrong)
