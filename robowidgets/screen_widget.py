@@ -9,7 +9,7 @@ import traitlets
 
 from .widget.cards import as_arrangement, checked_cards
 from .widget.front_end import FrontEndWidget, bundle, kind_of
-from .widget.in_words import InWords
+from .widget.in_words import CLOSED, InWords
 
 
 def _style(layout: Any) -> dict[str, str]:
@@ -46,6 +46,13 @@ class ScreenWidget(InWords, FrontEndWidget):
         self._places = places or {}
         self._asked_cards = checked_cards(arrangement)
         super().__init__(_kind=kind, _cards=self._asked_cards, _children=self._all, **kwargs)
+
+    def __repr__(self) -> str:
+        return self._in_words() if self.comm is not None else CLOSED
+
+    def _in_words(self) -> str:
+        """Return one line on what the screen shows, for its repr."""
+        return f"<{type(self).__name__}: {', '.join(room['card'] for room in self.rooms) or 'no widgets'}>"
 
     def place(self, places: Mapping[str, Sequence[Any]]) -> None:
         """Show these widgets in these places, and no others. The others are not closed."""

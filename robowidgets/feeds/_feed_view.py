@@ -120,7 +120,8 @@ class FeedView(ScreenWidget):
         self._connection.observe(self.refresh)
         self.refresh()  # for changes in the meantime
 
-    def __repr__(self) -> str:
+    def _in_words(self) -> str:
+        """Return one line on what the view shows, for its repr."""
         shown = dict.fromkeys(choice.titles[0] for choice in self._shown)
         return f"<FeedView: {', '.join(shown) or 'no topics'}>"
 

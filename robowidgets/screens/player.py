@@ -194,7 +194,8 @@ class Player(ScreenWidget):
             return super()._repr_mimebundle_(**kwargs)
         return self._beside._repr_mimebundle_(**kwargs)
 
-    def __repr__(self) -> str:
+    def _in_words(self) -> str:
+        """Return one line on what the player shows, for its repr."""
         shown = ", ".join(dict.fromkeys(title for view in self.views for title in view.choice.titles))
         return f"<Player {self.recording.path.name}: {self.time:.2f} of {self.duration:.2f} s, {shown or 'no topics'}>"
 

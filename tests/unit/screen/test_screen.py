@@ -9,7 +9,7 @@ import ipywidgets
 import pytest
 from ipywidgets.embed import dependency_state
 
-from robowidgets import LaserWidget, ScanogramWidget, SpeedWidget, TouchWidget, feeds, screen
+from robowidgets import SAMPLE, LaserWidget, ScanogramWidget, SpeedWidget, TouchWidget, feeds, screen
 from robowidgets import open as open_recording
 from robowidgets.screen_widget import ScreenWidget
 from robowidgets.widget.freezing import freeze_together
@@ -76,8 +76,6 @@ def test_what_is_no_widget_of_robowidgets_is_refused(wrong: tuple[object, ...], 
 
 
 def test_the_widgets_of_a_feed_and_of_a_recording_are_one_group() -> None:
-    from robowidgets import SAMPLE
-
     player = open_recording(SAMPLE).show(scanogram=False)
     with feeds.simulator() as feed:
         view = feed.show("/scan", "/odom")
@@ -119,6 +117,19 @@ def test_a_page_that_embeds_a_screen_has_the_widgets_on_it() -> None:
     view = screen(laser)
     assert {view.model_id, laser.model_id} <= dependency_state([view]).keys()
     assert other.model_id not in dependency_state([view])
+
+
+def test_the_text_of_a_screen_names_its_cards_and_a_closed_one_says_so() -> None:
+    laser, speed = LaserWidget(title="/scan"), SpeedWidget()
+    view = screen(laser, speed)
+    assert repr(view) == "<ScreenWidget: /scan, speed>"
+    assert view._repr_mimebundle_()[0]["text/plain"].splitlines()[:2] == [repr(view), repr(laser)]
+    player = open_recording(SAMPLE).show("/scan", scanogram=False)
+    with feeds.simulator() as feed:
+        shown = feed.show("/scan")
+        for one in (view, player, shown):
+            one.close()
+            assert repr(one) == "this widget is closed: make a new one"
 
 
 CARDS = {"row": [{"card": "/scan", "width": 8}, {"column": ["/odom", "touch"], "height": 240}]}
