@@ -63,6 +63,11 @@ class ScreenWidget(InWords, FrontEndWidget):
             self._children = self._all
 
     @property
+    def kind(self) -> str:
+        """The kind that the screen was made with."""
+        return self._kind
+
+    @property
     def children(self) -> tuple[Any, ...]:
         """All widgets on the screen, from top to bottom."""
         return tuple(self._children)

@@ -61,9 +61,29 @@ def test_a_widget_is_in_the_group_that_it_joined_last_and_groups_keep_no_widget(
     gc.collect()
 
 
+def test_a_screen_within_a_screen_is_frozen_with_the_widgets_around_it() -> None:
+    laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
+    view = screen(screen(screen(laser), touch), speed)
+    laser.paused = True
+    assert (speed.paused, touch.paused) == (True, True)
+    player = open_recording(SAMPLE).show("/scan", "/odom", scanogram=False)
+    other = screen(player, speed)
+    groups = {synced(shown.widget, "_together") for shown in player.views}
+    player.close()
+    assert len(groups) == 1
+    assert synced(speed, "_together") not in groups, "a recording has moments of its own"
+    assert len(view.children) == len(other.children) == 2
+
+
+def test_a_widget_that_is_given_twice_has_one_card() -> None:
+    laser, speed = LaserWidget(), SpeedWidget()
+    assert [room["card"] for room in screen(laser, speed, laser).rooms] == ["laser", "speed"]
+
+
 @pytest.mark.parametrize(
     ("wrong", "text"),
     [
+        ((open_recording(SAMPLE),), "got Recording; give the widget that its show() returns"),
         ((), "expected the widgets to show side by side, as in screen(laser, speed)"),
         (([LaserWidget()],), "expected widgets of robowidgets, got list; give each as an argument of its own"),
         ((ipywidgets.HTML(),), "expected widgets of robowidgets, got HTML"),
