@@ -141,6 +141,8 @@ class FeedView(ScreenWidget):
 
     def close(self) -> None:
         """Remove it from the page. Calling it again does nothing."""
+        if self._closed:
+            return  # ipywidgets calls it, too, when Python exits and can no longer import
         self._connection.unobserve(self.refresh)
         self._connection.listening.look(self._on_update, None)
         self._closed = True
