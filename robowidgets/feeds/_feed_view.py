@@ -22,7 +22,7 @@ from ..kinds.choice import (
 from ..lines_widget import LinesWidget
 from ..machine_widget import MachineWidget
 from ..message_widget import MessageWidget
-from ..notebook.cells import take_the_place
+from ..notebook.cells import predecessor
 from ..program_widget import ProgramWidget
 from ..runtime.clock import Threads
 from ..runtime.coalesced_call import CoalescedCall
@@ -111,11 +111,11 @@ class FeedView(ScreenWidget):
         self._bar = StopWidget(feed) if beside else None
         if self._bar is not None:
             self._bar.stand_in(self.model_id, opens=True)
-        for view in take_the_place(self):
-            if isinstance(view, FeedView):
-                self.on_show.keep(view.on_show)
-                self.topic_list.keep(view.topic_list)
-                self.keep_cards(view)
+        earlier = predecessor(self, lambda one: isinstance(one, FeedView))
+        if earlier is not None:
+            self.on_show.keep(earlier.on_show)
+            self.topic_list.keep(earlier.topic_list)
+            self.keep_cards(earlier)
         self.refresh.here()
         self._connection.observe(self.refresh)
         self.refresh()  # for changes in the meantime
