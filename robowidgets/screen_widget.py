@@ -9,7 +9,7 @@ import traitlets
 
 from .widget.cards import as_arrangement, checked_cards
 from .widget.front_end import FrontEndWidget, bundle, kind_of
-from .widget.in_words import InWords
+from .widget.in_words import CLOSED, InWords
 
 
 def _style(layout: Any) -> dict[str, str]:
@@ -47,6 +47,13 @@ class ScreenWidget(InWords, FrontEndWidget):
         self._asked_cards = checked_cards(arrangement)
         super().__init__(_kind=kind, _cards=self._asked_cards, _children=self._all, **kwargs)
 
+    def __repr__(self) -> str:
+        return self._in_words() if self.comm is not None else CLOSED
+
+    def _in_words(self) -> str:
+        """Return one line on what the screen shows, for its repr."""
+        return f"<{type(self).__name__}: {', '.join(room['card'] for room in self.rooms) or 'no widgets'}>"
+
     def place(self, places: Mapping[str, Sequence[Any]]) -> None:
         """Show these widgets in these places, and no others. The others are not closed."""
         self._places = places
@@ -54,6 +61,11 @@ class ScreenWidget(InWords, FrontEndWidget):
             self.send_state("_children")  # only the places may have changed
         else:
             self._children = self._all
+
+    @property
+    def kind(self) -> str:
+        """The kind that the screen was made with."""
+        return self._kind
 
     @property
     def children(self) -> tuple[Any, ...]:

@@ -13,7 +13,7 @@ from ..behaviors.robot import DrivenRobot
 from ..driving.stop_all import stop_at_end
 from ..kinds import add_installed
 from ..laser_widget import LaserWidget
-from ..notebook.cells import running_cell, take_the_place
+from ..notebook.cells import predecessor, running_cell
 from ..runtime.clock import Clock
 from ..runtime.platform_fixes import let_threads_print, shorten_switch_interval
 from ._driver import Driver
@@ -63,7 +63,7 @@ class Connection(Subscriptions):
         shorten_switch_interval()
         let_threads_print()
         # Before it opens, because the feed of the earlier run may use the node, or drive the robot.
-        _log_dropped(take_the_place(self))
+        _log_dropped(predecessor(self, lambda one: isinstance(one, Connection)))
         open_feeds.add(self)
         try:
             self.middleware.open(self)
@@ -252,10 +252,10 @@ class Connection(Subscriptions):
         self.functions.put(self.topic_of(held.topic), held.message, newest=held.newest, each=held.each)
 
 
-def _log_dropped(closed: Sequence[Any]) -> None:
+def _log_dropped(closed: Connection | None) -> None:
     """Log the functions of other cells that were connected to a feed that a new run of its cell has closed."""
     cell, _ = running_cell()
-    functions = [function for feed in closed if isinstance(feed, Connection) for function in feed.functions.functions]
+    functions = closed.functions.functions if closed is not None else ()
     names = [f"`{function.name}` ({function.topic})" for function in functions if function.cell != cell]
     if names:
         log.warning("the feed was opened again; no longer connected: %s. Run their cells again", ", ".join(names))

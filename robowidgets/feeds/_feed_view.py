@@ -22,7 +22,7 @@ from ..kinds.choice import (
 from ..lines_widget import LinesWidget
 from ..machine_widget import MachineWidget
 from ..message_widget import MessageWidget
-from ..notebook.cells import take_the_place
+from ..notebook.cells import predecessor
 from ..program_widget import ProgramWidget
 from ..runtime.clock import Threads
 from ..runtime.coalesced_call import CoalescedCall
@@ -111,16 +111,17 @@ class FeedView(ScreenWidget):
         self._bar = StopWidget(feed) if beside else None
         if self._bar is not None:
             self._bar.stand_in(self.model_id, opens=True)
-        for view in take_the_place(self):
-            if isinstance(view, FeedView):
-                self.on_show.keep(view.on_show)
-                self.topic_list.keep(view.topic_list)
-                self.keep_cards(view)
+        earlier = predecessor(self, lambda one: isinstance(one, FeedView))
+        if earlier is not None:
+            self.on_show.keep(earlier.on_show)
+            self.topic_list.keep(earlier.topic_list)
+            self.keep_cards(earlier)
         self.refresh.here()
         self._connection.observe(self.refresh)
         self.refresh()  # for changes in the meantime
 
-    def __repr__(self) -> str:
+    def _in_words(self) -> str:
+        """Return one line on what the view shows, for its repr."""
         shown = dict.fromkeys(choice.titles[0] for choice in self._shown)
         return f"<FeedView: {', '.join(shown) or 'no topics'}>"
 
@@ -140,6 +141,8 @@ class FeedView(ScreenWidget):
 
     def close(self) -> None:
         """Remove it from the page. Calling it again does nothing."""
+        if self._closed:
+            return  # ipywidgets calls it, too, when Python exits and can no longer import
         self._connection.unobserve(self.refresh)
         self._connection.listening.look(self._on_update, None)
         self._closed = True

@@ -9,7 +9,7 @@ import logging
 import sys
 from collections.abc import Callable, Iterable
 from typing import Any, Protocol
-from weakref import WeakSet
+from weakref import WeakKeyDictionary
 
 from ..runtime.error_routing import called_from_cell, ipython_shell
 from ..runtime.platform_fixes import call_before_traceback, call_on_idle_interrupt, call_on_interrupt
@@ -24,8 +24,12 @@ class Closable(Protocol):
         """Release all resources."""
 
 
-_made: dict[str, tuple[str, WeakSet[Any]]] = {}
-"""By the id of a cell: the last run that created something, and the objects that it created."""
+Objects = WeakKeyDictionary[Any, None]
+"""Objects in the order of their creation."""
+
+_made: dict[str, tuple[str, Objects, Objects]] = {}
+"""By the id of a cell: the last run that created something, the objects that it created, and the closed objects of the
+run before, without those that `predecessor` has returned."""
 
 
 def take_the_place(made: Closable) -> list[Any]:
@@ -36,15 +40,27 @@ def take_the_place(made: Closable) -> list[Any]:
     cell, run = running_cell()
     if not cell:
         return []
-    last, there = _made.get(cell, (run, WeakSet()))
-    closed = list(there) if last != run else []
-    for earlier in closed:
-        earlier.close()
-    if closed:
-        there = WeakSet()
-    there.add(made)
-    _made[cell] = run, there
-    return closed
+    last, there, closed = _made.get(cell, (run, WeakKeyDictionary(), WeakKeyDictionary()))
+    if last != run:
+        closed, there = there, WeakKeyDictionary()
+        for earlier in list(closed):
+            earlier.close()
+    there[made] = None
+    _made[cell] = run, there, closed
+    return list(closed)
+
+
+def predecessor(made: Closable, fits: Callable[[Any], bool]) -> Any:
+    """Do what `take_the_place` does, and return the closed object that this one replaces.
+
+    Returns:
+        The first object that fits and that no other object of this run has replaced, or None.
+    """
+    found = next(filter(fits, take_the_place(made)), None)
+    if found is not None:
+        *_, closed = _made[running_cell()[0]]
+        del closed[found]
+    return found
 
 
 _on_failed: list[Callable[[], None]] = []

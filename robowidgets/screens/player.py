@@ -34,7 +34,7 @@ from ..laser.row import LASER
 from ..lines.recorded_lines import RecordedLinesWidget
 from ..message_widget import MessageWidget
 from ..messages.brief import brief
-from ..notebook.cells import close_all, take_the_place
+from ..notebook.cells import close_all, predecessor
 from ..player_widget import PlayerWidget
 from ..poses.places import WITHIN, Places
 from ..recordings import RecordingData
@@ -134,7 +134,8 @@ class Player(ScreenWidget):
         arrangement: Any = None,
         lines: Any = None,
     ) -> None:
-        earlier = take_the_place(self)
+        earlier = predecessor(self, lambda one: isinstance(one, Player))
+        is_again = earlier is not None and earlier.recording.path == recording.path
         self.recording = recording
         self.views: tuple[PlayerView, ...] = ()
         self._silences: dict[WidgetChoice, float] = {}
@@ -144,9 +145,8 @@ class Player(ScreenWidget):
             check_function(lines)
         self.rerun = RerunWidget(recording, topics, layout={**_BESIDE, "flex": f"3 1 {_VIEWER}"}) if rerun else None
         self.on_show = TopicSelection(asked)
-        for player in earlier:
-            if isinstance(player, Player) and player.recording.path == recording.path:
-                self.on_show.keep(player.on_show)
+        if is_again:
+            self.on_show.keep(earlier.on_show)
         self._seeking = threading.RLock()
         shown = self._choose()
         self._set_views(shown)
@@ -182,11 +182,10 @@ class Player(ScreenWidget):
             self.layout = {**_BESIDE, "flex": "2 1 380px"}
             self._beside = ipywidgets.Box([self.rerun, self], layout=_WIDE)
         self._on_time(None)
-        for player in earlier:
-            if isinstance(player, Player) and player.recording.path == recording.path:
-                self.keep_cards(player)
-            if isinstance(player, Player) and self.topic_list is not None and player.topic_list is not None:
-                self.topic_list.keep(player.topic_list)
+        if is_again:
+            self.keep_cards(earlier)
+        if earlier is not None and self.topic_list is not None and earlier.topic_list is not None:
+            self.topic_list.keep(earlier.topic_list)
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
         """Return the output of a cell: the player, with the Rerun viewer at its left if it has one."""
@@ -194,7 +193,8 @@ class Player(ScreenWidget):
             return super()._repr_mimebundle_(**kwargs)
         return self._beside._repr_mimebundle_(**kwargs)
 
-    def __repr__(self) -> str:
+    def _in_words(self) -> str:
+        """Return one line on what the player shows, for its repr."""
         shown = ", ".join(dict.fromkeys(title for view in self.views for title in view.choice.titles))
         return f"<Player {self.recording.path.name}: {self.time:.2f} of {self.duration:.2f} s, {shown or 'no topics'}>"
 

@@ -13,7 +13,7 @@ import traitlets
 from ..runtime.log_once import LogOnce
 from ..runtime.text import nearest_name
 from .front_end import FrontEndWidget
-from .in_words import InWords
+from .in_words import CLOSED, InWords
 from .traits import Flag
 
 log = logging.getLogger("robowidgets")
@@ -77,7 +77,7 @@ class NamedWidget(InWords, FrontEndWidget):
 
     def __repr__(self) -> str:
         if self._closed:
-            return "this widget is closed: make a new one"
+            return CLOSED
         name, shown = f"{type(self).__name__} {self.title}".rstrip(), self._summary()
         return f"<{name}: {shown}>" if shown else f"<{name}>"
 

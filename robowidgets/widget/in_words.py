@@ -8,6 +8,9 @@ from typing import Any
 HOW_TO_DRAW = "No page has drawn it yet: run the cell in JupyterLab and save the notebook to have a picture here."
 """The last line of the text. A page that draws the widget replaces the text."""
 
+CLOSED = "this widget is closed: make a new one"
+"""The text of a closed widget, which no page can draw."""
+
 
 class InWords:
     """A widget or a view of several whose output has a text with one line for each widget.

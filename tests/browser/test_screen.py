@@ -39,3 +39,14 @@ def test_a_widget_moves_without_being_rendered_again_and_leaves_if_it_is_closed(
     expect(shown.locator(".rw-item")).to_have_count(1)
     nb.python("view.place({})")
     expect(shown.locator(".rw-one-screen")).to_be_empty()
+
+
+def test_the_grip_of_a_card_is_in_its_header_in_columns_too(plain_page: Callable[..., PlainPage]) -> None:
+    nb = plain_page([SCREEN.replace('{"wides": [laser], "smalls": [speed]}', '{"wide": [laser], "narrow": [speed]}')])
+    header = nb.output(0).locator(".rw-speed > .rw-header")
+    header.hover()
+    expect(header.locator(".rw-grip")).to_have_css("opacity", "1")
+    grip, around = header.locator(".rw-grip").bounding_box(), header.bounding_box()
+    assert grip is not None
+    assert around is not None
+    assert (grip["x"], grip["y"]) == (around["x"], around["y"])

@@ -6,7 +6,9 @@ import { explain } from "../../robowidgets/js/later/glossary.ts";
 const subjects = (text: string) => explain(text).map((sentence) => sentence.split(/ is | turns |:| \(/)[0]);
 
 test("words of ROS have one sentence each", () => {
-  assert.deepEqual(subjects("nearest 1.00 m at [225]"), ["[225]"]);
+  for (const text of ["nearest 1.00 m at [105]", "[3] sonar_left"]) {
+    assert.deepEqual(subjects(text), ["A number in brackets, such as [225],"]);
+  }
   assert.deepEqual(subjects("frame odom"), ["odom"]);
   assert.deepEqual(subjects("/odom"), ["Odometry"]);
   assert.deepEqual(subjects("yaw"), ["yaw"]);

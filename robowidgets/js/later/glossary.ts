@@ -3,7 +3,10 @@ import { on } from "../shared/events.ts";
 
 /** Words that a student may not know, each with one sentence. */
 const GLOSSARY: readonly [RegExp, string][] = [
-  [/\[\d+\]/, "[225] is the index of a ray in the array ranges, counted from 0."],
+  [
+    /\[\d+\]/,
+    "A number in brackets, such as [225], is an index: it counts the rays of a scan, or the elements of another array, from 0.",
+  ],
   [
     /(?<![\w/])odom\b/,
     "odom is the frame that starts where the robot was switched on; positions in it drift, but never jump.",

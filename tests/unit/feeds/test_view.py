@@ -353,6 +353,18 @@ def test_a_view_that_is_closed_leaves_the_feed_open_and_its_topics_alone(opened:
     assert view.widgets == {}
 
 
+def test_a_closed_view_is_not_brought_up_to_date_when_it_is_closed_again(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feed, _ = opened(SCAN)
+    view = feed.show()
+    view.close()
+    listed: list[object] = []
+    monkeypatch.setattr(view.topic_list, "set_rows", listed.append)
+    view.close()  # as ipywidgets does when Python exits
+    assert not listed
+
+
 def test_a_feed_that_is_closed_while_its_topics_come_puts_up_nothing(
     opened: Opened, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -83,6 +83,37 @@ def test_an_unreferenced_object_is_not_kept_for_the_next_run(run: Run) -> None:
     assert not _cells._made["a"][1]
 
 
+def test_an_object_replaces_the_one_of_its_kind_and_place_in_the_earlier_run(
+    begin: Callable[[str, str], None], run: Run
+) -> None:
+    class Other(Made):
+        """An object of another kind."""
+
+    def is_other(one: object) -> bool:
+        return isinstance(one, Other)
+
+    begin("a", "1")
+    firsts = [Other(), Other()]
+    assert [_cells.predecessor(other, is_other) for other in firsts] == [None, None]
+    made = run("a", "2")
+    assert all(other.closed for other in firsts)
+    assert [_cells.predecessor(Other(), is_other) for _ in range(3)] == [*firsts, None]
+    assert not made.closed
+
+
+def test_a_cell_that_connects_and_shows_a_robot_keeps_the_arrangement_of_its_earlier_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(_cells, "_made", {})
+    monkeypatch.setattr(_cells, "running_cell", lambda: ("a", "1"))
+    cards = {"row": ["/scan", "/odom"]}
+    view = feeds.simulator().show("/scan", "/odom")
+    view.set_state({"_cards": {"all": cards}})  # as the page sends it
+    monkeypatch.setattr(_cells, "running_cell", lambda: ("a", "2"))
+    with feeds.simulator() as feed:
+        assert feed.show("/scan", "/odom").arrangement["cards"] == cards
+
+
 def test_a_feed_is_closed_when_its_cell_opens_another(begin: Callable[[str, str], None]) -> None:
     begin("a", "1")
     earlier = feeds.simulator()

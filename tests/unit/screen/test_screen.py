@@ -9,7 +9,7 @@ import ipywidgets
 import pytest
 from ipywidgets.embed import dependency_state
 
-from robowidgets import LaserWidget, ScanogramWidget, SpeedWidget, TouchWidget, feeds, screen
+from robowidgets import SAMPLE, LaserWidget, ScanogramWidget, SpeedWidget, TouchWidget, feeds, screen
 from robowidgets import open as open_recording
 from robowidgets.screen_widget import ScreenWidget
 from robowidgets.widget.freezing import freeze_together
@@ -61,9 +61,29 @@ def test_a_widget_is_in_the_group_that_it_joined_last_and_groups_keep_no_widget(
     gc.collect()
 
 
+def test_a_screen_within_a_screen_is_frozen_with_the_widgets_around_it() -> None:
+    laser, speed, touch = LaserWidget(), SpeedWidget(), TouchWidget()
+    view = screen(screen(screen(laser), touch), speed)
+    laser.paused = True
+    assert (speed.paused, touch.paused) == (True, True)
+    player = open_recording(SAMPLE).show("/scan", "/odom", scanogram=False)
+    other = screen(player, speed)
+    groups = {synced(shown.widget, "_together") for shown in player.views}
+    player.close()
+    assert len(groups) == 1
+    assert synced(speed, "_together") not in groups, "a recording has moments of its own"
+    assert len(view.children) == len(other.children) == 2
+
+
+def test_a_widget_that_is_given_twice_has_one_card() -> None:
+    laser, speed = LaserWidget(), SpeedWidget()
+    assert [room["card"] for room in screen(laser, speed, laser).rooms] == ["laser", "speed"]
+
+
 @pytest.mark.parametrize(
     ("wrong", "text"),
     [
+        ((open_recording(SAMPLE),), "got Recording; give the widget that its show() returns"),
         ((), "expected the widgets to show side by side, as in screen(laser, speed)"),
         (([LaserWidget()],), "expected widgets of robowidgets, got list; give each as an argument of its own"),
         ((ipywidgets.HTML(),), "expected widgets of robowidgets, got HTML"),
@@ -76,8 +96,6 @@ def test_what_is_no_widget_of_robowidgets_is_refused(wrong: tuple[object, ...], 
 
 
 def test_the_widgets_of_a_feed_and_of_a_recording_are_one_group() -> None:
-    from robowidgets import SAMPLE
-
     player = open_recording(SAMPLE).show(scanogram=False)
     with feeds.simulator() as feed:
         view = feed.show("/scan", "/odom")
@@ -119,6 +137,19 @@ def test_a_page_that_embeds_a_screen_has_the_widgets_on_it() -> None:
     view = screen(laser)
     assert {view.model_id, laser.model_id} <= dependency_state([view]).keys()
     assert other.model_id not in dependency_state([view])
+
+
+def test_the_text_of_a_screen_names_its_cards_and_a_closed_one_says_so() -> None:
+    laser, speed = LaserWidget(title="/scan"), SpeedWidget()
+    view = screen(laser, speed)
+    assert repr(view) == "<ScreenWidget: /scan, speed>"
+    assert view._repr_mimebundle_()[0]["text/plain"].splitlines()[:2] == [repr(view), repr(laser)]
+    player = open_recording(SAMPLE).show("/scan", scanogram=False)
+    with feeds.simulator() as feed:
+        shown = feed.show("/scan")
+        for one in (view, player, shown):
+            one.close()
+            assert repr(one) == "this widget is closed: make a new one"
 
 
 CARDS = {"row": [{"card": "/scan", "width": 8}, {"column": ["/odom", "touch"], "height": 240}]}
