@@ -132,11 +132,11 @@ def _outside_of_loops(log: list[Any]) -> Notes:
 
 
 def _in_loops(source: FunctionSource, log: list[Any], counts: list[int], last: dict[int, tuple[Any, ...]]) -> Notes:
-    begins = {one.loop: number for number, one in enumerate(source.places) if one.kind == PASS}
+    begins = {one.loop: (number,) for number, one in enumerate(source.places) if one.kind == PASS}
     passes: dict[int | None, tuple[int, ...]] = {None: ()}
     """For each loop, the places at which a pass of it or of a loop around it begins."""
     for number, loop in enumerate(source.loops):
-        passes[number] = *passes[loop.around], begins[number]
+        passes[number] = *passes[loop.around], *begins.get(number, ())  # of an inner function's, no pass is noted
     passes_of = [passes[one.loop] for one in source.places]
 
     def put(place: int, value: Any, *more: Any) -> Any:
