@@ -531,17 +531,18 @@ class Rewriter:
 
     def _pass(self, at: Any, target: Any) -> ast.stmt:
         """Return the note at the beginning of a pass of a loop, with its variables if they are local."""
-        names = _names_of([] if target is None else [target])
-        is_plain = names and all(name in self._plain for name in names)
-        if not is_plain or any(
-            isinstance(one, (ast.Attribute, ast.Subscript, ast.Starred)) for one in ast.walk(target)
+        if target is None or not all(
+            one.id in self._plain
+            if isinstance(one, ast.Name)
+            else isinstance(one, (ast.Tuple, ast.List, ast.expr_context))
+            for one in ast.walk(target)
         ):
             return self._mark(at, PASS)
         value = copy.deepcopy(target)
         for one in ast.walk(value):
             if hasattr(one, "ctx"):
                 one.ctx = ast.Load()
-        return self._note_names(at, PASS, value, names)
+        return self._note_names(at, PASS, value, _names_of([target]))
 
     def _mark(self, node: Any, kind: str = MARK) -> ast.stmt:
         return self._note_names(node, kind, ast.Constant(None), ())
@@ -718,17 +719,11 @@ def _reads_rays(node: Any) -> bool:
     return isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in READS_RAYS
 
 
-def _names_of(targets: Iterable[Any]) -> tuple[str, ...]:
-    """Return the assigned names, or the texts of attributes."""
-    names: list[str] = []
-    for target in targets:
-        if isinstance(target, (ast.Tuple, ast.List)):
-            names += _names_of(target.elts)
-        elif isinstance(target, ast.Starred):
-            names += _names_of([target.value])
-        else:
-            names.append(ast.unparse(target))
-    return tuple(names)
+def _names_of(targets: Sequence[Any]) -> tuple[str, ...]:
+    """Return the texts of the targets that get one part of a value each, or one text if all get the whole value."""
+    if len(targets) == 1 and isinstance(targets[0], (ast.Tuple, ast.List)):
+        return tuple(map(ast.unparse, targets[0].elts))
+    return (" = ".join(map(ast.unparse, targets)),)
 
 
 def _parts_of(targets: Sequence[ast.expr], value: ast.expr) -> tuple[list[ast.expr], list[tuple[str, ...]]] | None:

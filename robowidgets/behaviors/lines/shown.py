@@ -94,7 +94,7 @@ def levels_of(call: WatchedCall) -> dict[int, tuple[str, float | None]]:
     for line, numbers in notes.source.reach.items():
         if line == call.error_line or any(number in notes.last for number in numbers):
             seen_there = own.get(line, [])
-            levels[line - first] = _level(seen_there[0].value) if len(seen_there) == 1 else (REACHED, 1.0)
+            levels[line - first] = _level_of(notes, seen_there)
     return levels
 
 
@@ -106,20 +106,20 @@ def _line(notes: CallNotes, line: int, seen: list[Noted]) -> LineValues:
     count = max((notes.counts[one.place] for one in (own or marks or inner)), default=1)
     if not own:
         return LineValues(number, details=_details(notes, inner), times=count, rays=_rays(notes, inner))
-    main = own[-1]
+    main, level = own[-1], _level_of(notes, own)
     place = places[main.place]
     if len(own) > 1 and all(places[one.place].names for one in own):  # a, b = c, d
         text = ", ".join(_named(notes, one) for one in own)
-        return LineValues(number, text, _details(notes, inner), count, REACHED, 1.0, _rays(notes, [*own, *inner]))
+        return LineValues(number, text, _details(notes, inner), count, *level, _rays(notes, [*own, *inner]))
     text = "" if main.value is None and place.kind == EFFECT else _value(notes, main)
     details = _details(notes, [*([main] if place.relation else []), *inner])
-    kind, level = _level(main.value)
-    return LineValues(number, text, details, count, kind, level, _rays(notes, [*own, *inner]))
+    return LineValues(number, text, details, count, *level, _rays(notes, [*own, *inner]))
 
 
 def _value(notes: CallNotes, seen: Noted) -> str:
     place, value = notes.source.places[seen.place], seen.value
-    if len(place.names) > 1 and type(value) is Glimpse and len(value.parts) == len(place.names) == value.count:
+    is_unpacked = len(place.names) > 1 and type(value) is Glimpse and value.brackets != "::"
+    if is_unpacked and len(value.parts) == len(place.names) == value.count:
         return ", ".join(f"{name} {text_of(one)}" for name, one in zip(place.names, value.parts, strict=True))
     if place.relation == "distance" and type(value) in (float, int):
         of = _side(notes, place.operands[0], seen)
@@ -127,6 +127,12 @@ def _value(notes: CallNotes, seen: Noted) -> str:
         return text_of(value, "m" if type(of) is Scan or of == Glimpse("Image") else "")
     # A forgotten `return`.
     return text_of(value) + ", not returned" * (place.kind == EFFECT and is_result(value))
+
+
+def _level_of(notes: CallNotes, own: list[Noted]) -> tuple[str, float | None]:
+    """Return the level of a line: of its test, after which its branch may stand, or of its only value."""
+    deciding = [one for one in own if notes.source.places[one.place].kind == TEST] or own
+    return _level(deciding[0].value) if len(deciding) == 1 else (REACHED, 1.0)
 
 
 def _level(value: Any) -> tuple[str, float | None]:

@@ -12,7 +12,7 @@ import pytest
 
 from robowidgets.behaviors import Drive
 from robowidgets.behaviors.lines.packed import Totals, packed_step, spread
-from robowidgets.behaviors.lines.shown import FLAG, NUMBER, REACHED, LineValues, lines_of, passes_of
+from robowidgets.behaviors.lines.shown import FLAG, NUMBER, REACHED, LineValues, levels_of, lines_of, passes_of
 from robowidgets.behaviors.lines.watch import LineWatch, WatchedStep
 from robowidgets.samples import Image, Scan
 
@@ -145,6 +145,35 @@ def test_several_names_have_their_values() -> None:
     assert found[1].details == ()
     assert [rays.nearest for rays in found[1].rays] == [4, 0]
     assert found[2].value == "a 1, b 'x'"
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("left = right = (0.5, 1.0)", "(0.5, 1.0)"),
+        ("pair = a, b = (1, 2)", "(1, 2)"),
+        ("(a, b), *rest = (1, 2), 3, 4", "((1, 2), 3, 4)"),
+        ("a, *rest = (1, 2)", "a 1, *rest 2"),
+        ("(a, b), c = f()", "(a, b) (1, 2), c 3"),
+        ("a, b = {1: 5, 2: 6}", "{1: 5, 2: 6}"),
+    ],
+)
+def test_a_name_has_no_value_that_it_did_not_get(line: str, text: str) -> None:
+    assert lines(line, f=lambda: ((1, 2), 3))[1].value == text
+
+
+def test_the_passes_of_a_loop_with_nested_names_have_their_values() -> None:
+    (passes,) = passes_of(step_of("for i, (a, b) in enumerate(((1, 2), (3, 4))): pass").calls[0])
+    assert passes.rows == ("1: i 0, (a, b) (1, 2)", "2: i 1, (a, b) (3, 4)")
+
+
+def test_a_test_on_the_line_of_its_branch_is_true_or_false() -> None:
+    body = "if near: return 0.8\nelse: return 0.2"
+    for near in (True, False):
+        (call,) = step_of(body, near=near).calls
+        (line, *_) = lines_of(call)
+        assert (line.kind, line.level) == levels_of(call)[1] == (FLAG, float(near))
+        assert line.value == ("0.8" if near else "False")
 
 
 def test_a_line_in_a_loop_has_its_last_value_and_how_often() -> None:
