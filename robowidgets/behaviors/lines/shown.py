@@ -130,9 +130,14 @@ def _value(notes: CallNotes, seen: Noted) -> str:
 
 
 def _level_of(notes: CallNotes, own: list[Noted]) -> tuple[str, float | None]:
-    """Return the level of a line: of its test, after which its branch may stand, or of its only value."""
+    """Return the level of a line: of its test, after which its branch may stand, or of its only value.
+
+    In a loop, it is true if it was true in any pass.
+    """
     deciding = [one for one in own if notes.source.places[one.place].kind == TEST] or own
-    return _level(deciding[0].value) if len(deciding) == 1 else (REACHED, 1.0)
+    if len(deciding) != 1:
+        return REACHED, 1.0
+    return _level(deciding[0].place in notes.true or deciding[0].value)
 
 
 def _level(value: Any) -> tuple[str, float | None]:

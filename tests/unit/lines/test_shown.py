@@ -167,6 +167,18 @@ def test_the_passes_of_a_loop_with_nested_names_have_their_values() -> None:
     assert passes.rows == ("1: i 0, (a, b) (1, 2)", "2: i 1, (a, b) (3, 4)")
 
 
+@pytest.mark.parametrize("true_in", [0, 1, 24, 25])
+def test_a_test_in_a_loop_is_true_if_it_was_true_in_any_pass(true_in: int) -> None:
+    body = "for i in range(25):\n    if i == k:\n        pass\nwhile k < 25:\n    k = 25"
+    for step in steps_of(body, {"k": true_in}, {"k": 25}):  # the first one leaves nothing for the second
+        (call,) = step.calls
+        found = levels_of(call)
+        expected = FLAG, float(true_in < 25)
+        assert (found[2], found[4]) == (expected, expected)
+        assert {(line.kind, line.level) for line in lines_of(call) if line.number in (2, 4)} == {expected}
+        true_in = 25
+
+
 def test_a_test_on_the_line_of_its_branch_is_true_or_false() -> None:
     body = "if near: return 0.8\nelse: return 0.2"
     for near in (True, False):
