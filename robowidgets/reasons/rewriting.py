@@ -25,7 +25,21 @@ from dataclasses import dataclass
 from types import CodeType, FunctionType, MethodType
 from typing import Any, NamedTuple
 
-from .places import COMPARE, EFFECT, MARK, OPERAND, PASS, RAYS, TEST, VALUE, FunctionSource, Loop, NotedPlace, Operand
+from .places import (
+    CHANGE,
+    COMPARE,
+    EFFECT,
+    MARK,
+    OPERAND,
+    PASS,
+    RAYS,
+    TEST,
+    VALUE,
+    FunctionSource,
+    Loop,
+    NotedPlace,
+    Operand,
+)
 
 READS_RAYS = ("distance", "nearest", "at")
 """Methods of a scan that look at some of its rays."""
@@ -43,6 +57,10 @@ _GENERATOR, _COROUTINE, _ASYNC_GENERATOR = 0x20, 0x80, 0x200
 _RELATIONS: dict[type[ast.cmpop], str] = {
     ast.Lt: "<", ast.LtE: "≤", ast.Gt: ">", ast.GtE: "≥", ast.Eq: "=", ast.NotEq: "≠", ast.Is: "is",
     ast.IsNot: "is not", ast.In: "in", ast.NotIn: "not in",
+}  # fmt: skip
+_OPERATORS: dict[type[ast.operator], str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
+    ast.MatMult: "@", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^", ast.LShift: "<<", ast.RShift: ">>",
 }  # fmt: skip
 _WITHOUT_VALUE = (
     ast.Pass, ast.Break, ast.Continue, ast.Delete, ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef,
@@ -444,11 +462,12 @@ class Rewriter:
                 node.value = self._value(node.value, _names_of(targets))
         elif isinstance(node, ast.AugAssign):
             node.value = self._sub(node.value)
-            if isinstance(node.target, ast.Name) and node.target.id in self._plain:
-                name = node.target.id
-                more.append(self._note_names(node.target, VALUE, ast.Name(name, ast.Load()), (name,)))
+            text = ast.unparse(node.target)
+            if isinstance(node.target, ast.Name):
+                more.append(self._note_names(node.target, VALUE, ast.Name(text, ast.Load()), (text,)))
             else:
-                node.value = self._wrap(node.value, VALUE)
+                operator = Operand(_OPERATORS[type(node.op)] + "=")
+                node.value = self._wrap(node.value, CHANGE, names=(text,), operands=[operator])
         elif isinstance(node, (ast.Return, ast.Expr)) and not _has_no_value(node):
             node.value = self._value(node.value, kind=EFFECT if isinstance(node, ast.Expr) else VALUE)
         elif isinstance(node, ast.Assert):

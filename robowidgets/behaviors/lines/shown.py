@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...reasons.places import COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, TEST, NotedPlace, Operand
+from ...reasons.places import CHANGE, COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, TEST, NotedPlace, Operand
 from ...samples import Ray, Scan
 from ...samples.sector import ALL_ROUND
 from .noting import CallNotes, Noted
@@ -118,6 +118,8 @@ def _line(notes: CallNotes, line: int, seen: list[Noted]) -> LineValues:
 
 def _value(notes: CallNotes, seen: Noted) -> str:
     place, value = notes.source.places[seen.place], seen.value
+    if place.kind == CHANGE:
+        return f"{place.operands[0].text} {text_of(value)}"
     is_unpacked = len(place.names) > 1 and type(value) is Glimpse and value.brackets != "::"
     if is_unpacked and len(value.parts) == len(place.names) == value.count:
         return ", ".join(f"{name} {text_of(one)}" for name, one in zip(place.names, value.parts, strict=True))
@@ -135,7 +137,7 @@ def _level_of(notes: CallNotes, own: list[Noted]) -> tuple[str, float | None]:
     In a loop, it is true if it was true in any pass.
     """
     deciding = [one for one in own if notes.source.places[one.place].kind == TEST] or own
-    if len(deciding) != 1:
+    if len(deciding) != 1 or notes.source.places[deciding[0].place].kind == CHANGE:
         return REACHED, 1.0
     return _level(deciding[0].place in notes.true or deciding[0].value)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import linecache
 from contextlib import suppress
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -160,6 +161,18 @@ def test_several_names_have_their_values() -> None:
 )
 def test_a_name_has_no_value_that_it_did_not_get(line: str, text: str) -> None:
     assert lines(line, f=lambda: ((1, 2), 3))[1].value == text
+
+
+def test_what_is_added_to_a_variable_is_not_shown_as_its_value() -> None:
+    body = (
+        "global known\nknown = own = 5\nknown += 1\nown += 2\ninner = lambda: own\n"
+        "for _ in (1, 2):\n    state['n'] -= 1\n    box.near &= state['n'] < 5"
+    )
+    (call,) = step_of(body, state={"n": 5}, box=SimpleNamespace(near=False)).calls
+    found = {line.number: (line.value, line.kind) for line in lines_of(call)}
+    assert (found[3], found[4]) == (("6", NUMBER), ("7", NUMBER))
+    assert (found[7], found[8]) == (("-= 1", REACHED), ("&= True", REACHED))
+    assert passes_of(call)[0].rows[0] == "1: _ 1 · state['n'] -= 1 · box.near &= True"
 
 
 def test_the_passes_of_a_loop_with_nested_names_have_their_values() -> None:
