@@ -93,30 +93,35 @@ def levels_of(call: WatchedCall) -> dict[int, tuple[str, float | None]]:
     levels: dict[int, tuple[str, float | None]] = {}
     for line, numbers in notes.source.reach.items():
         if line == call.error_line or any(number in notes.last for number in numbers):
-            seen_there = own.get(line, [])
-            levels[line - first] = _level_of(notes, seen_there)
+            levels[line - first] = _level_of(notes, own.get(line, []))
     return levels
 
 
 def _line(notes: CallNotes, line: int, seen: list[Noted]) -> LineValues:
     places, number = notes.source.places, line - notes.source.first
-    own = sorted((one for one in seen if places[one.place].kind in OWN), key=lambda one: one.place)
+    own = _own(notes, seen)
     inner = [one for one in seen if places[one.place].kind in (COMPARE, OPERAND, RAYS)]
     marks = [one for one in seen if places[one.place].kind in (MARK, PASS)]
     count = max((notes.counts[one.place] for one in (own or marks or inner)), default=1)
     if not own:
         return LineValues(number, details=_details(notes, inner), times=count, rays=_rays(notes, inner))
-    main, level = own[-1], _level_of(notes, own)
-    place = places[main.place]
-    if len(own) > 1 and all(places[one.place].names for one in own):  # a, b = c, d
-        text = ", ".join(_named(notes, one) for one in own)
-        return LineValues(number, text, _details(notes, inner), count, *level, _rays(notes, [*own, *inner]))
-    text = "" if main.value is None and place.kind == EFFECT else _value(notes, main)
-    details = _details(notes, [*([main] if place.relation else []), *inner])
-    return LineValues(number, text, details, count, *level, _rays(notes, [*own, *inner]))
+    shown = [one for one in own if one.value is not None or places[one.place].kind != EFFECT]
+    is_named = len(own) > 1
+    texts = [_named(notes, one) if is_named and places[one.place].names else value_text(notes, one) for one in shown]
+    details = _details(notes, [*(one for one in own if places[one.place].relation), *inner])
+    return LineValues(number, ", ".join(texts), details, count, *_level_of(notes, own), _rays(notes, [*own, *inner]))
 
 
-def _value(notes: CallNotes, seen: Noted) -> str:
+def _own(notes: CallNotes, seen: list[Noted]) -> list[Noted]:
+    """Return the values of a line in the order of its code, up to a test that was False: its branch ran before."""
+    places = notes.source.places
+    own = sorted((one for one in seen if places[one.place].kind in OWN), key=lambda one: one.place)
+    end = next((i for i, one in enumerate(own, 1) if places[one.place].kind == TEST and one.value is False), len(own))
+    return own[:end]
+
+
+def value_text(notes: CallNotes, seen: Noted) -> str:
+    """Return the text of a noted value, with its unit."""
     place, value = notes.source.places[seen.place], seen.value
     if place.kind == CHANGE:
         return f"{place.operands[0].text} {text_of(value)}"
@@ -160,7 +165,7 @@ def _details(notes: CallNotes, seen: list[Noted]) -> tuple[str, ...]:
             found.append(f"{', '.join(place.names) or place.text} is {text_of(one.value)}")
         elif place.relation in ("distance", "nearest", "at"):
             if place.kind == RAYS and one.place not in sides:
-                found.append(f"{_sector_text(place)} {_value(notes, one)}".strip())
+                found.append(f"{_sector_text(place)} {value_text(notes, one)}".strip())
         elif len(place.chain) == 1:
             found.append(_comparison(notes, one))
     return tuple(dict.fromkeys(found))[:_MOST_DETAILS]
@@ -274,7 +279,7 @@ def passes_of(call: WatchedCall) -> list[Passes]:
 
 
 def _named(notes: CallNotes, seen: Noted) -> str:
-    place, value = notes.source.places[seen.place], _value(notes, seen)
+    place, value = notes.source.places[seen.place], value_text(notes, seen)
     if len(place.names) == 1:
         return f"{place.names[0]} {value}"
     return value if place.names else f"line {place.line} {value}" if place.kind == TEST else value

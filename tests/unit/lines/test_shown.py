@@ -198,7 +198,14 @@ def test_a_test_on_the_line_of_its_branch_is_true_or_false() -> None:
         (call,) = step_of(body, near=near).calls
         (line, *_) = lines_of(call)
         assert (line.kind, line.level) == levels_of(call)[1] == (FLAG, float(near))
-        assert line.value == ("0.8" if near else "False")
+        assert line.value == ("True, 0.8" if near else "False")
+
+
+def test_a_line_of_several_statements_has_the_value_of_each() -> None:
+    found = lines("a = 1; print(a); b = 2\nif b < 3: c = a; d = 4\nfor i in (1, 2):\n    if i < 2: e = i")
+    assert found[1].value == "a 1, b 2"
+    assert (found[2].value, found[2].details) == ("True, c 1, d 4", ("2 < 3",))
+    assert (found[4].value, found[4].kind, found[4].level) == ("False", FLAG, 1.0)  # the pass before it was true
 
 
 def test_a_line_in_a_loop_has_its_last_value_and_how_often() -> None:
@@ -277,6 +284,6 @@ def test_a_loop_that_only_late_passes_reach_has_its_values_and_no_rows() -> None
 def test_the_rows_of_an_inner_loop_end_with_those_of_the_loop_around_it() -> None:
     (call,) = step_of("for i in range(30):\n    while i % 15 == 10:\n        i += 5\n        if i > 20: x = i").calls
     found = {line.number: line for line in lines_of(call)}
-    assert (found[3].value, found[4].value, found[4].times) == ("30", "30", 2)
+    assert (found[3].value, found[4].value, found[4].times) == ("30", "True, x 30", 2)
     _, inner = passes_of(call)
     assert (inner.rows, inner.times) == (("11.1: i 15 \N{MIDDLE DOT} line 5 False",), 2)
