@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 
-from ..behaviors.lines.shown import lines_of
+from ..behaviors.lines.shown import lines_of, value_text
 from ..behaviors.lines.texts import LineText, line_texts
 from ..behaviors.lines.watch import WatchedCall, WatchedStep
 from ..behaviors.version import RATE
@@ -126,13 +126,13 @@ def _values(call: WatchedCall) -> Iterator[str]:
     lines = {line.number + call.source.first: line for line in lines_of(call)}
     texts: dict[str, str] = {}
     for kind in (VALUE, TEST):
-        for number in call.notes.last:
+        for number, noted in call.notes.last.items():
             place, line = places[number], lines.get(places[number].line)
             if place.kind != kind or line is None or (kind == VALUE and len(place.names) != 1):
                 continue
             text = place.names[0] if kind == VALUE else place.text
             why = f" ({line.details[0]})" if kind == TEST and line.details else ""
-            texts[text] = say("`{name}` was {value}", name=text, value=f"{line.value}{why}")
+            texts[text] = say("`{name}` was {value}", name=text, value=value_text(call.notes, noted) + why)
         if texts:
             break
     yield from texts.values()
@@ -142,11 +142,10 @@ def _returned(call: WatchedCall) -> Iterator[str]:
     """Yield the value of the last statement of a call in plain words, if it was a return."""
     if call.notes is None or call.error:
         return
-    lines = {line.number + call.source.first: line for line in lines_of(call)}
-    whole = [one.place for one in call.notes.seen if call.source.places[one.place].kind in OWN]
-    place = call.source.places[whole[-1]] if whole else None
-    if place is not None and place.kind == VALUE and not place.names and place.line in lines:
-        yield say("line {line} returned {value}", line=place.line, value=lines[place.line].value)
+    whole = [one for one in call.notes.seen if call.source.places[one.place].kind in OWN]
+    place = call.source.places[whole[-1].place] if whole else None
+    if place is not None and place.kind == VALUE and not place.names:
+        yield say("line {line} returned {value}", line=place.line, value=value_text(call.notes, whole[-1]))
 
 
 def _missed(call: WatchedCall) -> Iterator[int]:

@@ -8,14 +8,14 @@ from collections.abc import Iterator, Sequence
 from types import CodeType
 from typing import Any
 
-from .places import EFFECT, MARK, OPERAND, PASS, RAYS, TEST, VALUE, Operand
+from .places import CHANGE, EFFECT, MARK, OPERAND, PASS, RAYS, TEST, VALUE, Operand
 from .rewriting import HOOKS, READS_RAYS, Rewriter
 
 PART, ALL, EACH = "part", "all", "each"
 """Relations of places in addition to the names in `READS_RAYS`: a part of the ranges or one ray, a call that takes all
 ranges and reads them if it returns a number, and a loop over all ranges."""
 
-_WHOLE_LINES = (VALUE, TEST, EFFECT, MARK, PASS)
+_WHOLE_LINES = (VALUE, TEST, EFFECT, CHANGE, MARK, PASS)
 _NO_RELATIONS = (ast.Is, ast.IsNot, ast.In, ast.NotIn)
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 _READ_NO_RANGES = ("id", "isinstance", "len", "print", "repr", "str", "type")

@@ -9,11 +9,11 @@ from typing import Any
 from zlib import crc32
 
 VALUE, TEST, EFFECT, COMPARE, OPERAND, RAYS = "value", "test", "effect", "compare", "operand", "rays"
-MARK, PASS = "mark", "pass"
+MARK, PASS, CHANGE = "mark", "pass", "change"
 """Kinds of places: the value of a statement, a test, the value of an expression that is a statement, such as print(), a
-comparison, a part of a condition, a call that reads rays, the beginning of a statement without a value, and the
-beginning of a pass of a loop."""
-OWN = (VALUE, TEST, EFFECT)
+comparison, a part of a condition, a call that reads rays, the beginning of a statement without a value, the beginning
+of a pass of a loop, and the 1 of ``state.n += 1``, whose target is not read again, as this might call a user's code."""
+OWN = (VALUE, TEST, EFFECT, CHANGE)
 """The kinds that are the value of a whole line."""
 
 
@@ -42,7 +42,8 @@ class NotedPlace:
         extras: the number of values that its note has in addition to its own.
         names: the names that the value is assigned to.
         relation: of a comparison with two sides, such as ``<``.
-        operands: for a comparison its sides. For a call that reads rays the scan, then the sector.
+        operands: for a comparison its sides. For a call that reads rays the scan, then the sector. For a change its
+            operator.
         loop: the number of the innermost loop around it, or None.
         chain: of a comparison its relations, one between each two sides.
         is_inner: True in a comprehension or an inner function, whose notes are not shown on lines.

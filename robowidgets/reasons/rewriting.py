@@ -25,7 +25,21 @@ from dataclasses import dataclass
 from types import CodeType, FunctionType, MethodType
 from typing import Any, NamedTuple
 
-from .places import COMPARE, EFFECT, MARK, OPERAND, PASS, RAYS, TEST, VALUE, FunctionSource, Loop, NotedPlace, Operand
+from .places import (
+    CHANGE,
+    COMPARE,
+    EFFECT,
+    MARK,
+    OPERAND,
+    PASS,
+    RAYS,
+    TEST,
+    VALUE,
+    FunctionSource,
+    Loop,
+    NotedPlace,
+    Operand,
+)
 
 READS_RAYS = ("distance", "nearest", "at")
 """Methods of a scan that look at some of its rays."""
@@ -43,6 +57,10 @@ _GENERATOR, _COROUTINE, _ASYNC_GENERATOR = 0x20, 0x80, 0x200
 _RELATIONS: dict[type[ast.cmpop], str] = {
     ast.Lt: "<", ast.LtE: "≤", ast.Gt: ">", ast.GtE: "≥", ast.Eq: "=", ast.NotEq: "≠", ast.Is: "is",
     ast.IsNot: "is not", ast.In: "in", ast.NotIn: "not in",
+}  # fmt: skip
+_OPERATORS: dict[type[ast.operator], str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
+    ast.MatMult: "@", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^", ast.LShift: "<<", ast.RShift: ">>",
 }  # fmt: skip
 _WITHOUT_VALUE = (
     ast.Pass, ast.Break, ast.Continue, ast.Delete, ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef,
@@ -444,11 +462,12 @@ class Rewriter:
                 node.value = self._value(node.value, _names_of(targets))
         elif isinstance(node, ast.AugAssign):
             node.value = self._sub(node.value)
-            if isinstance(node.target, ast.Name) and node.target.id in self._plain:
-                name = node.target.id
-                more.append(self._note_names(node.target, VALUE, ast.Name(name, ast.Load()), (name,)))
+            text = ast.unparse(node.target)
+            if isinstance(node.target, ast.Name):
+                more.append(self._note_names(node.target, VALUE, ast.Name(text, ast.Load()), (text,)))
             else:
-                node.value = self._wrap(node.value, VALUE)
+                operator = Operand(_OPERATORS[type(node.op)] + "=")
+                node.value = self._wrap(node.value, CHANGE, names=(text,), operands=[operator])
         elif isinstance(node, (ast.Return, ast.Expr)) and not _has_no_value(node):
             node.value = self._value(node.value, kind=EFFECT if isinstance(node, ast.Expr) else VALUE)
         elif isinstance(node, ast.Assert):
@@ -531,17 +550,18 @@ class Rewriter:
 
     def _pass(self, at: Any, target: Any) -> ast.stmt:
         """Return the note at the beginning of a pass of a loop, with its variables if they are local."""
-        names = _names_of([] if target is None else [target])
-        is_plain = names and all(name in self._plain for name in names)
-        if not is_plain or any(
-            isinstance(one, (ast.Attribute, ast.Subscript, ast.Starred)) for one in ast.walk(target)
+        if target is None or not all(
+            one.id in self._plain
+            if isinstance(one, ast.Name)
+            else isinstance(one, (ast.Tuple, ast.List, ast.expr_context))
+            for one in ast.walk(target)
         ):
             return self._mark(at, PASS)
         value = copy.deepcopy(target)
         for one in ast.walk(value):
             if hasattr(one, "ctx"):
                 one.ctx = ast.Load()
-        return self._note_names(at, PASS, value, names)
+        return self._note_names(at, PASS, value, _names_of([target]))
 
     def _mark(self, node: Any, kind: str = MARK) -> ast.stmt:
         return self._note_names(node, kind, ast.Constant(None), ())
@@ -718,17 +738,11 @@ def _reads_rays(node: Any) -> bool:
     return isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in READS_RAYS
 
 
-def _names_of(targets: Iterable[Any]) -> tuple[str, ...]:
-    """Return the assigned names, or the texts of attributes."""
-    names: list[str] = []
-    for target in targets:
-        if isinstance(target, (ast.Tuple, ast.List)):
-            names += _names_of(target.elts)
-        elif isinstance(target, ast.Starred):
-            names += _names_of([target.value])
-        else:
-            names.append(ast.unparse(target))
-    return tuple(names)
+def _names_of(targets: Sequence[Any]) -> tuple[str, ...]:
+    """Return the texts of the targets that get one part of a value each, or one text if all get the whole value."""
+    if len(targets) == 1 and isinstance(targets[0], (ast.Tuple, ast.List)):
+        return tuple(map(ast.unparse, targets[0].elts))
+    return (" = ".join(map(ast.unparse, targets)),)
 
 
 def _parts_of(targets: Sequence[ast.expr], value: ast.expr) -> tuple[list[ast.expr], list[tuple[str, ...]]] | None:

@@ -31,12 +31,18 @@ class CallNotes:
         log: for each note the place, the value, and the extra values.
         counts: how often each place was noted; 0 outside of loops.
         last: the last values of places that were noted too often to be in the log.
+        true: the places in loops that were True in any pass.
     """
 
     def __init__(
-        self, source: FunctionSource, log: list[Any], counts: list[int], last: dict[int, tuple[Any, ...]]
+        self,
+        source: FunctionSource,
+        log: list[Any],
+        counts: list[int],
+        last: dict[int, tuple[Any, ...]],
+        true: frozenset[int] = frozenset(),
     ) -> None:
-        self.source = source
+        self.source, self.true = source, true
         self._log, self._counts, self._last = log, counts, last
 
     @cached_property
@@ -82,17 +88,20 @@ class Notebook:
         self._zeros = self._counts[:]
         self._last: dict[int, tuple[Any, ...]] = {}
         self._none: dict[int, tuple[Any, ...]] = {}
-        self.notes = (*_outside_of_loops(self._log), *_in_loops(source, self._log, self._counts, self._last))
+        self._true: set[int] = set()
+        in_loops = _in_loops(source, self._log, self._counts, self._last, self._true)
+        self.notes = (*_outside_of_loops(self._log), *in_loops)
 
     def take(self) -> CallNotes:
         """Return the notes since the last time, and begin again."""
-        log, counts, last = self._log[:], self._zeros, self._none
+        log, counts, last, true = self._log[:], self._zeros, self._none, frozenset[int]()
         self._log.clear()
         if self.source.loops:
-            counts, last = self._counts[:], self._last.copy()
+            counts, last, true = self._counts[:], self._last.copy(), frozenset(self._true)
             self._counts[:] = self._zeros
             self._last.clear()
-        return CallNotes(self.source, log, counts, last)
+            self._true.clear()
+        return CallNotes(self.source, log, counts, last, true)
 
 
 def _kept(value: Any) -> Any:
@@ -131,20 +140,25 @@ def _outside_of_loops(log: list[Any]) -> Notes:
     return note, note_1, note_2
 
 
-def _in_loops(source: FunctionSource, log: list[Any], counts: list[int], last: dict[int, tuple[Any, ...]]) -> Notes:
-    begins = {one.loop: number for number, one in enumerate(source.places) if one.kind == PASS}
+def _in_loops(
+    source: FunctionSource, log: list[Any], counts: list[int], last: dict[int, tuple[Any, ...]], true: set[int]
+) -> Notes:
+    begins = {one.loop: (number,) for number, one in enumerate(source.places) if one.kind == PASS}
     passes: dict[int | None, tuple[int, ...]] = {None: ()}
     """For each loop, the places at which a pass of it or of a loop around it begins."""
     for number, loop in enumerate(source.loops):
-        passes[number] = *passes[loop.around], begins[number]
+        passes[number] = *passes[loop.around], *begins.get(number, ())  # of an inner function's, no pass is noted
     passes_of = [passes[one.loop] for one in source.places]
 
     def put(place: int, value: Any, *more: Any) -> Any:
         count = counts[place] = counts[place] + 1
+        kept = _kept(value)
+        if kept is True:
+            true.add(place)
         if count > MOST_PASSES or any(counts[begin] > MOST_PASSES for begin in passes_of[place]):
-            last[place] = _kept(value), *map(_kept, more)
+            last[place] = kept, *map(_kept, more)
         else:
-            log.extend((place, _kept(value), *map(_kept, more)))
+            log.extend((place, kept, *map(_kept, more)))
         return value
 
     return put, put, put

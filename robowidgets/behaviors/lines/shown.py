@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...reasons.places import COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, TEST, NotedPlace, Operand
+from ...reasons.places import CHANGE, COMPARE, EFFECT, MARK, OPERAND, OWN, PASS, RAYS, TEST, NotedPlace, Operand
 from ...samples import Ray, Scan
 from ...samples.sector import ALL_ROUND
 from .noting import CallNotes, Noted
@@ -93,33 +93,40 @@ def levels_of(call: WatchedCall) -> dict[int, tuple[str, float | None]]:
     levels: dict[int, tuple[str, float | None]] = {}
     for line, numbers in notes.source.reach.items():
         if line == call.error_line or any(number in notes.last for number in numbers):
-            seen_there = own.get(line, [])
-            levels[line - first] = _level(seen_there[0].value) if len(seen_there) == 1 else (REACHED, 1.0)
+            levels[line - first] = _level_of(notes, own.get(line, []))
     return levels
 
 
 def _line(notes: CallNotes, line: int, seen: list[Noted]) -> LineValues:
     places, number = notes.source.places, line - notes.source.first
-    own = sorted((one for one in seen if places[one.place].kind in OWN), key=lambda one: one.place)
+    own = _own(notes, seen)
     inner = [one for one in seen if places[one.place].kind in (COMPARE, OPERAND, RAYS)]
     marks = [one for one in seen if places[one.place].kind in (MARK, PASS)]
     count = max((notes.counts[one.place] for one in (own or marks or inner)), default=1)
     if not own:
         return LineValues(number, details=_details(notes, inner), times=count, rays=_rays(notes, inner))
-    main = own[-1]
-    place = places[main.place]
-    if len(own) > 1 and all(places[one.place].names for one in own):  # a, b = c, d
-        text = ", ".join(_named(notes, one) for one in own)
-        return LineValues(number, text, _details(notes, inner), count, REACHED, 1.0, _rays(notes, [*own, *inner]))
-    text = "" if main.value is None and place.kind == EFFECT else _value(notes, main)
-    details = _details(notes, [*([main] if place.relation else []), *inner])
-    kind, level = _level(main.value)
-    return LineValues(number, text, details, count, kind, level, _rays(notes, [*own, *inner]))
+    shown = [one for one in own if one.value is not None or places[one.place].kind != EFFECT]
+    is_named = len(own) > 1
+    texts = [_named(notes, one) if is_named and places[one.place].names else value_text(notes, one) for one in shown]
+    details = _details(notes, [*(one for one in own if places[one.place].relation), *inner])
+    return LineValues(number, ", ".join(texts), details, count, *_level_of(notes, own), _rays(notes, [*own, *inner]))
 
 
-def _value(notes: CallNotes, seen: Noted) -> str:
+def _own(notes: CallNotes, seen: list[Noted]) -> list[Noted]:
+    """Return the values of a line in the order of its code, up to a test that was False: its branch ran before."""
+    places = notes.source.places
+    own = sorted((one for one in seen if places[one.place].kind in OWN), key=lambda one: one.place)
+    end = next((i for i, one in enumerate(own, 1) if places[one.place].kind == TEST and one.value is False), len(own))
+    return own[:end]
+
+
+def value_text(notes: CallNotes, seen: Noted) -> str:
+    """Return the text of a noted value, with its unit."""
     place, value = notes.source.places[seen.place], seen.value
-    if len(place.names) > 1 and type(value) is Glimpse and len(value.parts) == len(place.names) == value.count:
+    if place.kind == CHANGE:
+        return f"{place.operands[0].text} {text_of(value)}"
+    is_unpacked = len(place.names) > 1 and type(value) is Glimpse and value.brackets != "::"
+    if is_unpacked and len(value.parts) == len(place.names) == value.count:
         return ", ".join(f"{name} {text_of(one)}" for name, one in zip(place.names, value.parts, strict=True))
     if place.relation == "distance" and type(value) in (float, int):
         of = _side(notes, place.operands[0], seen)
@@ -127,6 +134,17 @@ def _value(notes: CallNotes, seen: Noted) -> str:
         return text_of(value, "m" if type(of) is Scan or of == Glimpse("Image") else "")
     # A forgotten `return`.
     return text_of(value) + ", not returned" * (place.kind == EFFECT and is_result(value))
+
+
+def _level_of(notes: CallNotes, own: list[Noted]) -> tuple[str, float | None]:
+    """Return the level of a line: of its test, after which its branch may stand, or of its only value.
+
+    In a loop, it is true if it was true in any pass.
+    """
+    deciding = [one for one in own if notes.source.places[one.place].kind == TEST] or own
+    if len(deciding) != 1 or notes.source.places[deciding[0].place].kind == CHANGE:
+        return REACHED, 1.0
+    return _level(deciding[0].place in notes.true or deciding[0].value)
 
 
 def _level(value: Any) -> tuple[str, float | None]:
@@ -147,7 +165,7 @@ def _details(notes: CallNotes, seen: list[Noted]) -> tuple[str, ...]:
             found.append(f"{', '.join(place.names) or place.text} is {text_of(one.value)}")
         elif place.relation in ("distance", "nearest", "at"):
             if place.kind == RAYS and one.place not in sides:
-                found.append(f"{_sector_text(place)} {_value(notes, one)}".strip())
+                found.append(f"{_sector_text(place)} {value_text(notes, one)}".strip())
         elif len(place.chain) == 1:
             found.append(_comparison(notes, one))
     return tuple(dict.fromkeys(found))[:_MOST_DETAILS]
@@ -261,7 +279,7 @@ def passes_of(call: WatchedCall) -> list[Passes]:
 
 
 def _named(notes: CallNotes, seen: Noted) -> str:
-    place, value = notes.source.places[seen.place], _value(notes, seen)
+    place, value = notes.source.places[seen.place], value_text(notes, seen)
     if len(place.names) == 1:
         return f"{place.names[0]} {value}"
     return value if place.names else f"line {place.line} {value}" if place.kind == TEST else value

@@ -180,6 +180,8 @@ class RecordedLines(HasTable):
     def when(self, line: int) -> Spans:
         """Return the spans in which a line was true, or was reached if it is not a condition.
 
+        A condition in a loop was true in a step if it was true in any pass.
+
         Args:
             line: the number of the line in its file or cell, as errors and the table name it.
 

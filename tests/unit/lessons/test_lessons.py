@@ -616,6 +616,22 @@ class TestLines:
         (line,) = (row for row in str(result.lines).splitlines() if re.search(r" nearest = scan\.ranges\[i\] ", row))
         assert re.search(r"  [\d.]+  \N{MULTIPLICATION SIGN}\d+$", line)
 
+    def test_each_name_and_each_test_of_a_line_has_its_own_value(self) -> None:
+        def wall_ahead(scan: Scan) -> float:
+            left, right = scan.distance("left"), scan.distance("right")
+            half = left / 2; return right if half else left  # noqa: E702  # fmt: skip
+
+        def tested(scan: Scan) -> float:
+            if scan.distance("left") > 0.3: return 5.0  # noqa: E701  # fmt: skip
+            return 4.0
+
+        lines = lessons.check(wall_ahead).lines
+        assert lines
+        assert lines.summary == "in this scan `left` was 3.51 m, `right` was 3.54 m, `half` was 1.757"
+        lines = lessons.check(tested, "wall_ahead").lines
+        assert lines
+        assert lines.summary.startswith('in this scan `scan.distance("left") > 0.3` was True (3.51 > 0.30), line')
+
     def test_of_a_drive_the_last_step_is_shown_with_its_time(self) -> None:
         result = lessons.check(blind_drive, "stop_before_wall")
         found = re.match(r"a wall ahead: it hit what is ahead at ([\d.]+) s", result.wrong[0])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import linecache
 from contextlib import suppress
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 
 from robowidgets.behaviors import Drive
 from robowidgets.behaviors.lines.packed import Totals, packed_step, spread
-from robowidgets.behaviors.lines.shown import FLAG, NUMBER, REACHED, LineValues, lines_of, passes_of
+from robowidgets.behaviors.lines.shown import FLAG, NUMBER, REACHED, LineValues, levels_of, lines_of, passes_of
 from robowidgets.behaviors.lines.watch import LineWatch, WatchedStep
 from robowidgets.samples import Image, Scan
 
@@ -147,6 +148,66 @@ def test_several_names_have_their_values() -> None:
     assert found[2].value == "a 1, b 'x'"
 
 
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("left = right = (0.5, 1.0)", "(0.5, 1.0)"),
+        ("pair = a, b = (1, 2)", "(1, 2)"),
+        ("(a, b), *rest = (1, 2), 3, 4", "((1, 2), 3, 4)"),
+        ("a, *rest = (1, 2)", "a 1, *rest 2"),
+        ("(a, b), c = f()", "(a, b) (1, 2), c 3"),
+        ("a, b = {1: 5, 2: 6}", "{1: 5, 2: 6}"),
+    ],
+)
+def test_a_name_has_no_value_that_it_did_not_get(line: str, text: str) -> None:
+    assert lines(line, f=lambda: ((1, 2), 3))[1].value == text
+
+
+def test_what_is_added_to_a_variable_is_not_shown_as_its_value() -> None:
+    body = (
+        "global known\nknown = own = 5\nknown += 1\nown += 2\ninner = lambda: own\n"
+        "for _ in (1, 2):\n    state['n'] -= 1\n    box.near &= state['n'] < 5"
+    )
+    (call,) = step_of(body, state={"n": 5}, box=SimpleNamespace(near=False)).calls
+    found = {line.number: (line.value, line.kind) for line in lines_of(call)}
+    assert (found[3], found[4]) == (("6", NUMBER), ("7", NUMBER))
+    assert (found[7], found[8]) == (("-= 1", REACHED), ("&= True", REACHED))
+    assert passes_of(call)[0].rows[0] == "1: _ 1 · state['n'] -= 1 · box.near &= True"
+
+
+def test_the_passes_of_a_loop_with_nested_names_have_their_values() -> None:
+    (passes,) = passes_of(step_of("for i, (a, b) in enumerate(((1, 2), (3, 4))): pass").calls[0])
+    assert passes.rows == ("1: i 0, (a, b) (1, 2)", "2: i 1, (a, b) (3, 4)")
+
+
+@pytest.mark.parametrize("true_in", [0, 1, 24, 25])
+def test_a_test_in_a_loop_is_true_if_it_was_true_in_any_pass(true_in: int) -> None:
+    body = "for i in range(25):\n    if i == k:\n        pass\nwhile k < 25:\n    k = 25"
+    for step in steps_of(body, {"k": true_in}, {"k": 25}):  # the first one leaves nothing for the second
+        (call,) = step.calls
+        found = levels_of(call)
+        expected = FLAG, float(true_in < 25)
+        assert (found[2], found[4]) == (expected, expected)
+        assert {(line.kind, line.level) for line in lines_of(call) if line.number in (2, 4)} == {expected}
+        true_in = 25
+
+
+def test_a_test_on_the_line_of_its_branch_is_true_or_false() -> None:
+    body = "if near: return 0.8\nelse: return 0.2"
+    for near in (True, False):
+        (call,) = step_of(body, near=near).calls
+        (line, *_) = lines_of(call)
+        assert (line.kind, line.level) == levels_of(call)[1] == (FLAG, float(near))
+        assert line.value == ("True, 0.8" if near else "False")
+
+
+def test_a_line_of_several_statements_has_the_value_of_each() -> None:
+    found = lines("a = 1; print(a); b = 2\nif b < 3: c = a; d = 4\nfor i in (1, 2):\n    if i < 2: e = i")
+    assert found[1].value == "a 1, b 2"
+    assert (found[2].value, found[2].details) == ("True, c 1, d 4", ("2 < 3",))
+    assert (found[4].value, found[4].kind, found[4].level) == ("False", FLAG, 1.0)  # the pass before it was true
+
+
 def test_a_line_in_a_loop_has_its_last_value_and_how_often() -> None:
     step = step_of(
         "for i in range(30):\n    for j in 'ab':\n        x = 2 * i\n        x += 1\nwhile x > 0:\n    x -= 30"
@@ -223,6 +284,6 @@ def test_a_loop_that_only_late_passes_reach_has_its_values_and_no_rows() -> None
 def test_the_rows_of_an_inner_loop_end_with_those_of_the_loop_around_it() -> None:
     (call,) = step_of("for i in range(30):\n    while i % 15 == 10:\n        i += 5\n        if i > 20: x = i").calls
     found = {line.number: line for line in lines_of(call)}
-    assert (found[3].value, found[4].value, found[4].times) == ("30", "30", 2)
+    assert (found[3].value, found[4].value, found[4].times) == ("30", "True, x 30", 2)
     _, inner = passes_of(call)
     assert (inner.rows, inner.times) == (("11.1: i 15 \N{MIDDLE DOT} line 5 False",), 2)
