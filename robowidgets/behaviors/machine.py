@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
 from functools import lru_cache
-from types import FunctionType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -166,8 +166,9 @@ class Machine:
         self.turns = self.at = ""
         self.current: Callable[..., Any] = self.__call__
         self.asking = _asked_for(self.root)
-        for event in _events(self.root):  # not in the first step, which would be late
-            _look(event).prepare()
+        for function, is_event in self.functions:  # not in the first step, which would be late
+            if is_event:
+                _look(function).prepare()
         self.asks_for = list(self.asking)
         self._states: dict[str, tuple[str, float]] = {}
         """By path of a machine: its active state, and the time when that was entered."""
@@ -200,6 +201,18 @@ class Machine:
     def active_text(self) -> str:
         """The active states as in the picture, inner states after outer states: ``avoid › turn + look``."""
         return self.before.active_text if self.before is not None else self._text_of(self.root)
+
+    @property
+    def functions(self) -> list[tuple[Callable[..., Any], bool]]:
+        """The functions of the user that it calls, each once, with True for an event."""
+        found: dict[tuple[int, bool], tuple[Callable[..., Any], bool]] = {}
+        for node in self.root.nodes():
+            named = [(machine, move.event) for machine in node.machines for move in machine.moves]
+            events = [machine.look_up(name) for machine, name in named if name is not None and name != DONE]
+            called = [event for event in events if not isinstance(event, bool) and not hasattr(event, "judge")]
+            for one in (*((action, False) for action in node.actions.values()), *((event, True) for event in called)):
+                found[id(one[0]), one[1]] = one
+        return list(found.values())
 
     def describe(self) -> list[dict[str, Any]]:
         """Return the machines with their states and moves, as plain values."""
@@ -498,14 +511,6 @@ def _ways_to_states(
         for name, state in machine.states.items():
             yield (*way, (machine, name)), state
             yield from _ways_to_states(state, (*way, (machine, name)))
-
-
-def _events(root: Node) -> Iterator[Callable[..., Any]]:
-    """Yield the functions that are events."""
-    for machine in (machine for node in root.nodes() for machine in node.machines):
-        for name in dict.fromkeys(move.event for move in machine.moves):
-            if name is not None and name != DONE and isinstance(event := machine.look_up(name), FunctionType):
-                yield event
 
 
 def _asked_for(root: Node) -> dict[str, str]:

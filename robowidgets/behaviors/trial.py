@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-from ._outline import DONE
 from .drive import Drive, drive_of
 from .kept_steps import KeptStep, copied_state
 from .lines.differences import first_difference
@@ -107,24 +106,11 @@ def why_not_tried(function: Function) -> str:
 
     A trial must change nothing: the running version would notice.
     """
-    for one in functions_in(function):
+    functions = [one for one, _ in function.functions] if isinstance(function, Machine) else [function]
+    for one in functions:
         if effect := effect_of(one):
             return f"{getattr(one, '__name__', 'it')} may not be tried, because {effect}"
     return ""
-
-
-def functions_in(function: Function) -> list[Function]:
-    """Return the user's functions of a version: all functions of a state machine, or the function itself."""
-    if not isinstance(function, Machine):
-        return [function]
-    found: dict[int, Function] = {}
-    for node in function.root.nodes():
-        named = [(machine, move.event) for machine in node.machines for move in machine.moves]
-        events = [machine.look_up(name) for machine, name in named if name is not None and name != DONE]
-        for one in (*node.actions.values(), *events):
-            if not isinstance(one, bool) and not hasattr(one, "judge"):
-                found[id(one)] = one
-    return list(found.values())
 
 
 def steps_to_try(steps: Sequence[KeptStep], asks_for: Sequence[str], most: int) -> tuple[list[KeptStep], str]:

@@ -93,7 +93,7 @@ class LineWatch:
         """The functions of the running version, by their id, and True for events."""
         self._version: tuple[str, int] | None = None
         self._prepared: tuple[tuple[str, int] | None, dict[tuple[int, bool], _Known]] = None, {}
-        """The next version, and its rewritten function."""
+        """The next version, and its rewritten functions."""
         self._calls: list[WatchedCall] = []
         """The calls of the running step, and its thread."""
         self._thread = 0
@@ -113,14 +113,14 @@ class LineWatch:
             self.newest, self._known, self._prepared = None, {}, (None, {})
 
     def prepare(self, program: tuple[str, int], function: Callable[..., Any]) -> None:
-        """Rewrite the function of a version before its first step, which a long source would make late.
+        """Rewrite the functions of a version before its first step, which a long source would make late.
 
         Args:
             program: its name, and the number of its version.
-            function: the function. The functions of a state machine are rewritten when it first calls them.
+            function: the function, or the machine.
         """
-        if not _calls_functions(function):
-            self._prepared = program, {(id(function), False): _rewrite(function)}
+        functions = function.functions if _calls_functions(function) else [(function, False)]  # type: ignore[attr-defined]
+        self._prepared = program, {(id(one), event): _rewrite(one, is_event=event) for one, event in functions}
 
     def step(
         self,
@@ -165,9 +165,15 @@ class LineWatch:
                     queue.append(step)
 
     def prepared(self, program: tuple[str, int]) -> WatchedCall | None:
-        """Return the function of a version that has made no step yet, as a call without values, or None."""
+        """Return the function of a version that has made no step yet, as a call without values, or None.
+
+        The several functions of a machine are shown once it calls them.
+        """
         of, known = self._prepared
-        return next((WatchedCall(one.source, None, one.why) for one in known.values() if of == program), None)
+        if of != program or len(known) != 1:
+            return None
+        (one,) = known.values()
+        return WatchedCall(one.source, None, one.why)
 
     def function_of(self, key: str) -> Callable[..., Any] | None:
         """Return the function with this `FunctionSource.key` that was called or prepared, or None."""

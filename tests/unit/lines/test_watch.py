@@ -224,6 +224,18 @@ def test_events_have_the_same_reasons_while_their_lines_are_watched(scan: Scan) 
         assert {value for value, _, _ in judged[0].values()} == {None}
 
 
+def test_the_functions_of_a_machine_are_rewritten_before_its_first_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    machine, line_watch = Machine(Walker), LineWatch()
+    line_watch.prepare(("Walker", 0), machine)
+    monkeypatch.setattr(watch, "rewritten", pytest.fail)
+    line_watch.step(("Walker", 0), (1, 0.0), machine, {"time": 0.0, "variables": Variables(), "scan": RANGES})
+    assert line_watch.newest
+    names = [one.source.name for one in line_watch.newest.calls]
+    assert (len(names), names[-2:]) == (8, ["with_lines", "forward"])
+    assert all(one.notes for one in line_watch.newest.calls)
+    assert line_watch.prepared(("Walker", 0)) is None
+
+
 def test_the_lines_of_an_event_are_those_of_any_function() -> None:
     machine, line_watch = Machine(Walker), LineWatch()
     line_watch.step(("Walker", 0), (1, 0.0), machine, {"time": 0.0, "variables": Variables(), "scan": RANGES})
