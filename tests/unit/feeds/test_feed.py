@@ -22,6 +22,7 @@ from robowidgets import DriveWidget, LaserWidget, Scan, SpeedWidget, feeds
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._open_feeds import open_feeds
 
+from ..pages import display_html
 from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 
@@ -73,8 +74,8 @@ def test_a_feed_prints_as_a_table_of_its_topics(opened: Opened) -> None:
 
 def test_a_table_holds_no_markup_of_others(opened: Opened) -> None:
     feed, _ = opened(Advert("/<b>", "<script>"))
-    assert '<td style="text-align:left">/&lt;b&gt;</td>' in feed._repr_html_()
-    assert "<script>" not in feed._repr_html_()
+    assert '<td style="text-align:left">/&lt;b&gt;</td>' in display_html(feed)
+    assert "<script>" not in display_html(feed)
 
 
 def test_a_table_says_what_is_wrong_with_the_connection(opened: Opened) -> None:
