@@ -22,7 +22,7 @@ from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 
 from ..clocks import ManualClock
-from ..feeds.scripted import CMD_VEL, ODOM, SCAN, Scripted, scan
+from ..feeds.scripted import CMD_VEL, ODOM, SCAN, Scripted, scan, set_discovery_timeout
 from ..waiting import wait_for
 from .asking import ask, refusal, result
 
@@ -39,7 +39,7 @@ def clock() -> ManualClock:
 @pytest.fixture
 def held(clock: ManualClock, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Feed, Scripted, Hand]]:
     """A feed by a clock that the test moves, and the hand of an assistant on it."""
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.0)
+    set_discovery_timeout(monkeypatch, 0.0)
     script = Scripted(SCAN, CMD_VEL)
     feed = Feed(script, clock=clock)
     hand = Hand(feed, LIMITS)
@@ -254,7 +254,7 @@ def serve(monkeypatch: pytest.MonkeyPatch) -> Iterator[Serve]:
     """Opens servers on a script."""
     from robowidgets.assistants.server import AssistantServer
 
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
+    set_discovery_timeout(monkeypatch, 0.02)
     monkeypatch.setattr("robowidgets.assistants.live.FIRST_MESSAGE_TIMEOUT_S", 0.1)
     opened: list[tuple[Any, Feed]] = []
 
