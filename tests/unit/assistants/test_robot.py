@@ -148,7 +148,7 @@ def test_a_pad_takes_over_at_once_and_the_assistant_does_not_go_on_after_it(held
     feed.watchdog.take("pad")
     clock.advance(0.02)
     assert script.speeds[-1] == (0.0, 0.0)
-    with pytest.raises(FeedError, match="a hand drives from a pad; nothing was sent"):
+    with pytest.raises(FeedError, match="a hand drives from a pad, until it is released; nothing was sent"):
         hand.drive(0.1, 0.0, 5.0)
     feed.watchdog.let_go("pad")
     clock.advance(5.0)

@@ -282,7 +282,9 @@ def test_words_for_what_cannot_be_connected(opened: Opened) -> None:
     for wrong in (lambda: None, lambda a, b, c: (a, b, c)):
         with pytest.raises(TypeError, match=r"a message and the time at which it came; got <lambda>\("):
             feed.connect("/scan", wrong)
-    with pytest.raises(TypeError, match=r"connect\('/scan'\) needs a widget, or a function of a sample"):
+    with pytest.raises(
+        TypeError, match=r"connect\('/scan'\): expected a widget, or a function of a sample, after the topic; got none"
+    ):
         feed.connect("/scan")
     with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan'\]"):
         feed.connect(["/scan"], LaserWidget())  # type: ignore[arg-type]
