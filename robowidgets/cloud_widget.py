@@ -145,7 +145,7 @@ class CloudWidget(LargeFrameWidget[Cloud]):
         """
         cloud = self.cloud
         if cloud is None:
-            raise ValueError("selected: no cloud came yet")
+            raise ValueError("selected: no cloud has come yet; update(...) shows one")
         return cloud.points[cloud.inside(**self.selection)]
 
     def code(self, form: str = "points") -> str:

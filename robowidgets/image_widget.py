@@ -195,7 +195,7 @@ class ImageWidget(HasOverlay):
     def __getitem__(self, where: Any) -> Any:
         image = self.image
         if image is None:
-            raise IndexError("no picture came")
+            raise IndexError("no picture has come yet; update(...) shows one")
         return image[where].item() if np.ndim(image[where]) == 0 else image[where]
 
     def frame_of(self, sample: Any) -> tuple[dict[str, Any], bytes]:

@@ -176,7 +176,7 @@ class MessageWidget(RobotWidget[Received]):
         """
         message = self.message
         if message is None:
-            raise KeyError(f"{path!r}: no message has come")
+            raise KeyError(f"{path!r}: no message has come yet; update(...) shows one")
         try:
             return value_at(message, path)
         except ValueError as error:

@@ -1,4 +1,4 @@
-"""Counts patterns of words that are hard to read in comments, docstrings, messages and docs, and says where they stand.
+"""Counts patterns of words that are hard to read in comments, docstrings, messages, docs and names of functions.
 
 python scripts/words.py            fails if a pattern stands more often than `MOST` allows
 python scripts/words.py PATH ...   lists every place in these files and folders
@@ -56,6 +56,7 @@ PATTERNS = (
         "somebody", r"\b(somebody|someone|nobody|a person|whoever|who(?= \w+s ))\b", "the user, a node, no subscriber"
     ),
     _pattern("as far as", r"\b(as far as|in place of|anew)\b", '"the part that", "instead of", "again"'),
+    _pattern("_of", r"\A\w+_of\Z", "a function: `get_`, `make_`, `parse_`, or the noun"),
     _pattern("Have X done", r"\A(Have|Let) (?!us\b)", "the plain verb", docstring_start=True),
 )
 
@@ -69,6 +70,7 @@ MOST = {
     "told": 72,
     "somebody": 42,
     "as far as": 9,
+    "_of": 290,
 }
 """The most places of each pattern, mostly names in code and messages in tests; none of the others."""
 
@@ -130,6 +132,8 @@ def _python(name: str, path: Path) -> Iterator[Text]:
             if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant) and isinstance(one.value.value, str):
                 docstrings.add(one.value)
                 yield Text(name, one.lineno, one.value.value, is_docstring=True)
+        if isinstance(node, ast.FunctionDef) and node.name.endswith("_of"):
+            yield Text(name, node.lineno, node.name)
         is_text = isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in docstrings
         if is_text and node.value.count(" ") >= 2:
             yield Text(name, node.lineno, node.value)

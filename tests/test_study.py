@@ -23,6 +23,8 @@ sys.path.insert(0, str(ROOT / "studies"))
 import compare
 import study
 
+from .unit.pages import display_html
+
 CODE = {
     "wall_ahead": 'def wall_ahead(scan):\n    return scan.distance(("-20deg", "20deg"))',
     "nearest_on_the_left": 'def nearest_on_the_left(scan):\n    return scan.distance("left")',
@@ -95,7 +97,7 @@ def test_a_known_effect_of_simulated_participants_is_found_and_no_false_one(tmp_
     assert 20 < sus.low <= sus.effect <= 50
     assert same.measures[0].low < 1 < same.measures[0].high
     assert "12 participants" in repr(faster)
-    assert "<svg" in faster._repr_html_()
+    assert "<svg" in display_html(faster)
 
 
 def test_forms_sets_and_their_order_are_balanced_over_four_participants(tmp_path: Path) -> None:

@@ -58,7 +58,7 @@ async def run(job: Mapping[str, Any], timeout: float = TIMEOUT_S) -> ToolAnswer:
         if text is None:
             raise QuotingError(data)
         return ToolAnswer(text, data)
-    raise AnswerError(f"the code did not return within {timeout:g} s, and its process was killed")
+    raise AnswerError(f"the code did not return within {timeout:g} s, and its process was killed; let it do less")
 
 
 def _function(source: str, wanted: str | None, folder: Path) -> Any:

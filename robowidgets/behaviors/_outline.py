@@ -89,7 +89,7 @@ class Outline:
         for scope in self.scopes:
             if name in scope:
                 return _plain(scope[name])
-        raise LookupError(f"no {name!r} in class {self.path}, around it, or in the notebook")
+        raise LookupError(f"{name!r} is not in class {self.path}, around it, or in the notebook; define it")
 
     @property
     def notes(self) -> tuple[str, ...]:

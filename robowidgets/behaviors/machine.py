@@ -374,7 +374,9 @@ class Machine:
             if (move := next(at_once, None)) is None:
                 return
             self._make(machine, move, now)
-        raise RuntimeError(f"the moves of {machine.path} go round at once, last {move}")
+        raise RuntimeError(
+            f"the moves of {machine.path} go round without end, last {move}: give one of them an event or a time"
+        )
 
     def _find_move(self, machine: Outline, name: str, since: float) -> Move | None:
         """Return the first move that the machine can make now. All events are judged, so that widgets can show them."""

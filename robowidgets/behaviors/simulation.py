@@ -147,7 +147,7 @@ def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -
         if name in topics and name not in ODOMETRY and (kind is None or kind.roles[0].combine is None):
             if topics[name] not in sent:
                 raise ValueError(
-                    f"a program asks for {name} on {topics[name]}, and the simulated robot sends {', '.join(sent)}"
+                    f"a program asks for {name} on {topics[name]}, but the simulated robot sends only {', '.join(sent)}"
                 )
             found[name] = sent[topics[name]]
             continue
@@ -156,7 +156,10 @@ def _samples(robot: Robot, asks_for: Iterable[str], topics: Mapping[str, str]) -
         offers = kind.simulated(robot) if kind.simulated else []
         measured = {sensor_of(offer.topic): offer.read for offer in offers if not offer.obeyed}
         if not measured:
-            raise ValueError(f"a program asks for {name}, and the simulated robot has no {kind.noun}")
+            raise ValueError(
+                f"a program asks for {name}, but the simulated robot has no {kind.noun}: "
+                "remove the parameter, or give the robot some"
+            )
         combine = kind.roles[0].combine
         found[name] = next(iter(measured.values())) if combine is None else partial(_read_all, robot, measured, combine)
     return found

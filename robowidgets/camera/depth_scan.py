@@ -67,7 +67,7 @@ def depth_scan(
         depth, stamp_ns = picture.depth, stamp_ns or picture.stamp_ns
     image = np.asarray(depth)
     if image.dtype.kind not in "uif":
-        raise TypeError(f"depth: expected an image of metres, or of whole millimetres, got {image.dtype}")
+        raise TypeError(f"depth: expected metres as floats, or millimetres as whole numbers, got {image.dtype}")
     if image.ndim != 2:
         raise ValueError(f"depth: expected an image of shape (H, W), got shape {image.shape}")
     info = to_camera_info(camera_info)

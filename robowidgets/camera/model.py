@@ -59,7 +59,9 @@ class CameraModel:
 
     def __init__(self, info: CameraInfo, *, rectified: bool = False, size: tuple[int, int] | None = None) -> None:
         if not info.is_calibrated:
-            raise ValueError("the camera is not calibrated: k of its camera_info is all 0")
+            raise ValueError(
+                "the camera is not calibrated: k of its camera_info is all 0; calibrate it with camera_calibration"
+            )
         self.info = info
         k, p = (np.array(matrix).reshape(3, -1) for matrix in (info.k, info.p))
         if not p[0, 0]:

@@ -45,7 +45,7 @@ def place_in_camera(
     """
     for name, what in ((frame, "sensor"), (camera, "picture")):
         if not name:
-            raise NoTransformError(f"no tf for a {what} without a frame_id")
+            raise NoTransformError(f"no tf for a {what} without a frame_id; set it in the driver")
     world = FIXED if FIXED in frames.chain(frame) and FIXED in frames.chain(camera) else None
     sensor = joined(frames, frame, world or camera, *_times(*when))
     if sensor is None:

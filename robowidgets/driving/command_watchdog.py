@@ -443,7 +443,7 @@ class CommandWatchdog(Observed):
 
     def _check(self, driver: str, *, taking: bool = False) -> None:
         if self._closed:
-            raise RefusedError("it is closed")
+            raise RefusedError("it is closed; open the feed or the pad again")
         if self._latches:
             raise RefusedError("Stop is pressed: press Allow driving on the page, or set stopped = False")
         if self._clock.now() < self._settled_at:
@@ -454,15 +454,19 @@ class CommandWatchdog(Observed):
             raise RefusedError(why)
         hand = self._hand_now()
         if driver != hand and not taking and (hand or driver not in (PROGRAM, ASSISTANT)):
-            raise RefusedError("a hand drives from a pad" if hand else "the press on the pad is over")
+            raise RefusedError(
+                "a hand drives from a pad, until it is released"
+                if hand
+                else "the press on the pad is over; press again"
+            )
 
     def _checked_lease(self, lease: Lease | None) -> Lease:
         """Return the lease of an assistant; RefusedError if it has ended, or if a program drives."""
         now = self._clock.now()
         if lease is None or lease is not self._lease or now >= lease.ends:
-            raise RefusedError("the lease has ended")
+            raise RefusedError("the lease has ended; ask to drive again")
         if self._driver == PROGRAM and now < self._expires:
-            raise RefusedError("a program drives")
+            raise RefusedError("a program drives; pause it first")
         return lease
 
     @property

@@ -195,7 +195,7 @@ class DrivingWidget(NamedWidget):
 
     def _on_press(self, message: PadMessage) -> None:
         """Handle a message that belongs to a press."""
-        raise ValueError(f"act: a Stop has no {message.act}")
+        raise ValueError(f"act: expected stop, allow or beat for a Stop, got {message.act}")
 
     def _forget_errors(self) -> None:
         self._not_driven = self._not_stopped = ""

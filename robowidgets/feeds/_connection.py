@@ -77,7 +77,9 @@ class Connection(Subscriptions):
         """See `Feed.connect`."""
         check_name(topic)
         if not targets:
-            raise TypeError(f"connect({topic!r}) needs a widget, or a function of a sample")
+            raise TypeError(
+                f"connect({topic!r}): expected a widget, or a function of a sample, after the topic; got none"
+            )
         of_widgets, functions = sorted_targets(topic, targets)
         there = {function.call for function in self.functions.functions if function.topic == topic}
         for target in of_widgets:

@@ -58,7 +58,7 @@ class Played(ThreadedMiddleware):
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:
         """See `Middleware`. Nothing moves. The speed is listed next to the recorded one, as a topic of the program."""
         if self._closed.is_set():
-            raise FeedError(f"{self.where} is closed")
+            raise FeedError(f"{self.where} is closed: open the feed again")
         if all(known.name != topic for known in self._recording.topics):
             return  # the feed itself shows what it publishes
         own = Advert(f"{topic}{YOURS}", message_type)

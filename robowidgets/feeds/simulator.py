@@ -86,12 +86,14 @@ class Simulated(ThreadedMiddleware):
     def publish(self, topic: str, message_type: str, message: Mapping[str, Any]) -> None:  # noqa: ARG002
         """See `Middleware`. It accepts every message with a speed."""
         if topic != "/cmd_vel":
-            raise FeedError(f"the simulated robot listens to /cmd_vel, not to {topic}")
+            raise FeedError(
+                f"the simulated robot listens to /cmd_vel, not to {topic}: leave topic out of feeds.Driving"
+            )
         speed = to_speed(message)
         if speed.linear[1] and not self._robot.motors.max_lateral:
             raise FeedError("the simulated robot does not move sideways; feeds.simulator('pr2') does")
         if self._closed.is_set():
-            raise FeedError("the simulated robot is closed")
+            raise FeedError("the simulated robot is closed: open the feed again")
         try:
             if self.guard is None:
                 self._live.drive(speed.linear[0], speed.angular[2], speed.linear[1])

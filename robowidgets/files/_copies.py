@@ -111,7 +111,7 @@ def make(key: str, size: int, write: Callable[[Path], None]) -> Copy:
     _make_room(root, limit - size)
     free = shutil.disk_usage(root).free
     if size > free:
-        raise RecordingError(f"it has {megabytes(size)}, and the disk of {root} has {megabytes(free)} left")
+        raise RecordingError(f"it has {megabytes(size)}, and the disk of {root} has {megabytes(free)} left: free some")
     part = Path(mkdtemp(prefix=_PART, dir=root))
     copy = Copy(part, None)
     try:

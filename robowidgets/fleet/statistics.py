@@ -175,7 +175,9 @@ def _groups(files: Sequence[str], by: By | None) -> Mapping[str, str | None] | N
         raise TypeError(f"by: expected a text, a mapping, a function or None, got {by!r}")
     if isinstance(by, Mapping):
         if missing := [file for file in files if file not in by]:
-            raise ValueError(f"by: has no group for {missing[0]}, one of {len(missing):,} recordings without one")
+            raise ValueError(
+                f"by: expected a group for each recording, got none for {missing[0]}, one of {len(missing):,} without"
+            )
         return {file: _text(by[file]) for file in files}
     if callable(by):
         return {file: _text(by(file)) for file in files}

@@ -313,7 +313,13 @@ def _add_point(point: EntryPoint) -> None:
     try:
         add(point.load())
     except Exception as error:  # code of another package
-        log.warning("the room %r of %s is left out: %s: %s", point.name, point.value, type(error).__name__, error)
+        log.warning(
+            "the room %r of %s is left out, update its package: %s: %s",
+            point.name,
+            point.value,
+            type(error).__name__,
+            error,
+        )
 
 
 def on_demand_for_type(types: str) -> OnDemandWidget | None:

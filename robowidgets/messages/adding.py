@@ -44,7 +44,10 @@ def _parsed(name: str, text: str) -> Any:
     try:
         return parsed(name, text)[name]
     except Exception as error:  # rosbags raises many types
-        raise ValueError(f"the definition of {name} cannot be understood: {one_line(error)}") from None
+        raise ValueError(
+            f"the definition of {name} cannot be understood: {one_line(error)}; "
+            f"`ros2 interface show {name}` prints a right one"
+        ) from None
 
 
 def _texts(source: str | os.PathLike[str]) -> Iterator[tuple[str, str]]:

@@ -594,7 +594,7 @@ class RecordingData(HasTable):
             ValueError: the recording has no such label. RecordingError: the labels cannot be written.
         """
         if label not in self.labels:
-            raise ValueError(f"label: {self.path.name} has no {label!r}")
+            raise ValueError(f"label: {self.path.name} has no {label!r}; expected one of recording.labels")
         with self._writing_labels("removed") as file:
             file.remove(self.path, self._source, LabelledSpan(*label[:3]))
 

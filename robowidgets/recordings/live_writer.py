@@ -126,7 +126,9 @@ class QueuedWriter(ABC):
         if self._thread is threading.current_thread():
             return
         if self._waiters.wait_for(lambda: self._has_ended or None, CLOSE_TIMEOUT) is None:
-            log.warning("%s: the disk is slow: the file is not complete yet", self._path)
+            log.warning(
+                "%s: the disk is slow: the file is not complete yet; wait before you open or copy it", self._path
+            )
 
     # -- in the thread that writes -------------------------------------------------------------------------------------
 
@@ -248,7 +250,11 @@ class LiveWriter(QueuedWriter):
             self._end()
             self._on_failed()
         if self._dropped:
-            log.warning("%s: %s dropped", self._path, many(sum(self._dropped.values()), "message"))
+            log.warning(
+                "%s: %s dropped, as writing was too slow; record fewer topics",
+                self._path,
+                many(sum(self._dropped.values()), "message"),
+            )
         self._end()
         raise Detached
 

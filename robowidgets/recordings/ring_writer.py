@@ -451,7 +451,11 @@ class RingWriter(QueuedWriter):
                 break
             self._segments.popleft()
         if is_cut_short and not self.is_cut_short:
-            log.warning("black box: %g s have more than %s: it keeps less", self._limits.seconds, megabytes(int(most)))
+            log.warning(
+                "black box: the last %g s have more than %s, so it keeps less; name fewer topics, or raise megabytes",
+                self._limits.seconds,
+                megabytes(int(most)),
+            )
         if is_cut_short != self.is_cut_short and (is_cut_short or self.kept >= self._limits.seconds):
             self.is_cut_short = is_cut_short
             self._finder.on_change()
@@ -492,7 +496,7 @@ class RingWriter(QueuedWriter):
         try:
             delete_oldest(self._path, self._limits.files, self._limits.size // 2, new)
         except OSError as error:
-            log.error("%s: old files cannot be deleted: %s", self._path, error.strerror or error)
+            log.error("%s: old files cannot be deleted: %s; delete them by hand", self._path, error.strerror or error)
 
     def _close_ring(self) -> None:
         """Remove the short files. If one cannot be read, or a file not be written, they stay for the next start."""
@@ -502,6 +506,10 @@ class RingWriter(QueuedWriter):
             if self._pending is None and not any(path.exists() for path in self._unread):
                 self._ring.remove()
         except Exception as error:
-            log.error("%s: cannot be removed: %s", self._ring.path, getattr(error, "strerror", None) or error)
+            log.error(
+                "%s: cannot be removed: %s; delete it by hand",
+                self._ring.path,
+                getattr(error, "strerror", None) or error,
+            )
         finally:
             self._ring.release()

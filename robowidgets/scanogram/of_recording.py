@@ -252,7 +252,7 @@ def _finest(counts: Mapping[int, int], topic: str) -> int:
     """
     with_rays = {rays: count for rays, count in counts.items() if rays}
     if not with_rays:
-        raise RecordingError(f"{topic} has no scan with rays")
+        raise RecordingError(f"{topic} has no scan with rays; name another topic")
     usual = max(with_rays, key=lambda rays: with_rays[rays])
     return max(rays for rays in with_rays if rays <= _FINER * usual)
 

@@ -145,7 +145,9 @@ class Watches:
                 f"or a condition before it; got {value!r}"
             )
         if self._widget.driven_by_player:
-            raise ValueError(f"watch({name!r}): a player moves this widget, and its samples are recorded")
+            raise ValueError(
+                f"watch({name!r}): a player moves this widget; robowidgets.plot(recording, ...) plots numbers"
+            )
         shown = number(f"watch({name!r})", value)
         check_watch_name(name)
         if name in self.by_name:

@@ -39,7 +39,8 @@ while True:
 """
 ARRIVED = """
 from robowidgets.widget.timed_frame import FRAME_HEADER
-print(*(FRAME_HEADER.unpack_from(view.widgets[topic]._frozen_frame)[3] for topic in ("/scan", "/odom")))
+frozen = [view.widgets[topic].get_state("_frozen_frame")["_frozen_frame"] for topic in ("/scan", "/odom")]
+print(*(FRAME_HEADER.unpack_from(frame)[3] for frame in frozen))
 """
 
 

@@ -384,7 +384,7 @@ def test_during_a_busy_cell_a_hand_takes_over_from_a_program_and_lets_go_at_once
         numbers(nb, "0.20", "0.50")
         stop.touch()
         nb.wait(busy)
-        assert nb.python("refused") == "'cannot drive: a hand drives from a pad'", body
+        assert nb.python("refused") == "'cannot drive: a hand drives from a pad, until it is released'", body
         commands = heard(nb)
         first = commands.index([0.4, 0.0])
         after = next(i for i, command in enumerate(commands) if i > first and command != [0.4, 0.0])

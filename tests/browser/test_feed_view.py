@@ -191,7 +191,7 @@ def test_the_room_is_frozen_with_the_view_and_goes_on_by_a_press_on_it_before_it
     freeze, room = nb.output(2).locator(".rw-freeze-all"), nb.output(2).locator(".rw-simulator")
     expect(room.locator(".rw-footer")).to_contain_text("drag the robot")
     time = room.locator(".rw-facts")
-    seconds = "view.room._robot.time"
+    seconds = "robot.robot.time"
     freeze.click()
     expect(room).to_have_class(re.compile("rw-frozen"))
     expect(room.locator(".rw-silence")).to_have_text("frozen · press to go on")

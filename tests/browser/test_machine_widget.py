@@ -122,8 +122,10 @@ def test_a_machine_is_lit_judged_listed_frozen_and_replaced(plain_page: Callable
         rows.nth(0).press("Enter")
         expect(state(widget, "turn")).to_have_attribute("data-active", "leaf")
     moment = (
-        "import struct\nscan, then = (struct.unpack_from('<ddqd', w._frozen_frame)[3] for w in (laser, machine))\n"
-        "before, at = (one['at'] for one in machine._about['fired'][-2:])\nprint(before < scan <= at <= then)"
+        "import struct\n(scan, _), (then, about) = (\n"
+        "    (struct.unpack_from('<ddqd', state['_frozen_frame'])[3], state['_about'])\n"
+        "    for state in (laser.get_state(), machine.get_state())\n)\n"
+        "before, at = (one['at'] for one in about['fired'][-2:])\nprint(before < scan <= at <= then)"
     )
     wait_for(lambda: nb.python(moment).strip() == "True", "Python knows that all show what was there as it moved")
     widget.locator(".rw-freeze").click()

@@ -224,7 +224,7 @@ def test_a_link_in_the_page_a_reload_and_an_export_have_the_present_view(
     eventually(lambda: float(slider.input_value()) == pytest.approx(300, abs=1), True)
     nb.python("scanogram.view, scanogram.selection, scanogram.time = (190, 210), (199, 202), 201.0")
     shows_the_state(nb.page, card)
-    eventually(lambda: nb.python("print(len(scanogram._detail) > 0)").strip(), "True")
+    eventually(lambda: nb.python("print(len(scanogram.get_state('_detail')['_detail']) > 0)").strip(), "True")
     picture_of(card).hover(position=at(card, 200.05, (190, 210), height_of(card, 90)))
     expect(card.locator(".rw-popup:visible")).not_to_contain_text("nearest of")
     nb.reload()

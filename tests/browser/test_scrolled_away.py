@@ -136,7 +136,7 @@ def test_the_view_of_a_robot_goes_on_or_stays_frozen_and_its_list_of_topics_has_
     value = feed.locator(".rw-topic[data-key='/odom'] .rw-topic-value")
     expect(value).to_contain_text("m/s")
     looks = "print(sum(len(names) for _, names in view.topic_list._looks.values()))"
-    seconds = "view.room._robot.time"
+    seconds = "robot.robot.time"
     for _ in range(2):
         nb.scroll_away(2)
         wait_for(lambda: nb.python(looks).strip() == "0", "no value is sent for rows that are not seen")

@@ -53,7 +53,10 @@ import time
 from robowidgets.widget.pacer import pacer
 def show(nearest):
     laser.update(**fan({9: nearest}))
-    while not any(lamp["text"].startswith(f"{nearest:.2f} ") for lamp in laser._about.get("lamps", ())):
+    def shown():
+        lamps = laser.get_state("_about")["_about"].get("lamps", ())
+        return any(lamp["text"].startswith(f"{nearest:.2f} ") for lamp in lamps)
+    while not shown():
         time.sleep(0.001)
         pacer.flush()
 wall = laser.watch(lambda scan: scan.distance(("-5deg", "5deg")) < 1, name="wall")

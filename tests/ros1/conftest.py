@@ -22,6 +22,11 @@ PACKAGES = "/usr/lib/python3/dist-packages"
 PUBLISHER = Path(__file__).with_name("publisher.py")
 
 
+def set_send_timeout(patch: pytest.MonkeyPatch, seconds: float) -> None:
+    """Set the seconds within which a subscriber must take a message."""
+    patch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", seconds)
+
+
 class Master:
     """The only rosmaster of a process: the process has one rospy node, tied to one master."""
 

@@ -13,6 +13,7 @@ import pytest
 from robowidgets.feeds.middleware import Middleware
 
 from ..unit.feeds.contract import STAMPED, Robot, RobotContract
+from .conftest import set_send_timeout
 
 MODULE = importlib.import_module("robowidgets.feeds.ros1")  # under its name the package has the function in it
 NUMBERS = itertools.count()
@@ -28,7 +29,7 @@ class Ros1Robot(Robot):
         super().__init__(monkeypatch)
         monkeypatch.setattr(MODULE, "POLL", 0.1)
         monkeypatch.setattr(MODULE, "CONNECT_TIMEOUT_S", 0.5)
-        monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 3.0)  # the machine may be busy
+        set_send_timeout(monkeypatch, 3.0)  # the machine may be busy
         self.scan, self.other, self.speed = (f"/contract_{next(NUMBERS)}/{name}" for name in ("scan", "other", "speed"))
         self._start, self._heard = start, list[float]()
         self._publishers = dict[str, tuple[int, subprocess.Popen[str]]]()

@@ -27,9 +27,10 @@ from robowidgets.feeds.middleware import SEND_TIMEOUT, Advert, FeedError, NotCon
 
 from ..conftest import ROOT
 from ..unit.feeds.ears import Ears
+from ..unit.feeds.scripted import set_connect_timeout
 from ..unit.pages import get_newest, synced
 from ..unit.waiting import wait_for
-from .conftest import PACKAGES, PYTHON
+from .conftest import PACKAGES, PYTHON, set_send_timeout
 
 STAMPED = "geometry_msgs/msg/TwistStamped"
 
@@ -41,7 +42,7 @@ def quick(master, monkeypatch) -> None:
     monkeypatch.setattr(MODULE, "POLL", 0.1)
     monkeypatch.setattr(MODULE, "CONNECT_TIMEOUT_S", 0.5)
     monkeypatch.setattr("robowidgets.feeds._ros1_publications.UNREACHED", 1.0)
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 3.0)  # the machine may be busy
+    set_send_timeout(monkeypatch, 3.0)  # the machine may be busy
 
 
 @pytest.fixture
@@ -400,7 +401,7 @@ def test_a_refused_robot_is_reported_and_asked_again_until_it_connects(middlewar
     server = rospy.impl.tcpros_base.init_tcpros_server()
     handle = server.topic_connection_handler
     monkeypatch.setattr(server, "topic_connection_handler", refuse)
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", SEND_TIMEOUT)
+    set_send_timeout(monkeypatch, SEND_TIMEOUT)
     heard = robot("/deaf/cmd_vel").heard
     middleware.wait_for_listener("/deaf/cmd_vel")
     with pytest.raises(FeedError, match=r"/deaf/cmd_vel: /hear_\w+ listens to it, but has not connected"):
@@ -431,17 +432,17 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
     assert re.fullmatch(rf"/hear_{stuck.process.pid}_\d+ does not read {topic}", middleware.told.unheard[topic])
     last = next(speeds)
     wait_for(lambda: other.heard[-1] == last - 1, "the other robot hears all the same")
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 1000.0)
+    set_send_timeout(monkeypatch, 1000.0)
     middleware.publish(topic, last)  # a speed does not wait for it
     limit = 3.0  # a busy machine may pause for long
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", limit)
+    set_send_timeout(monkeypatch, limit)
     wait_for(lambda: other.heard[-1] == last, "the other robot hears it")
     started = time.monotonic()
     with pytest.raises(FeedError, match=rf"/hear_{stuck.process.pid}_\d+ took no message of {topic} for 3 s"):
         middleware.publish(topic, 0.0)
     assert time.monotonic() - started > limit
     wait_for(lambda: other.heard[-1] == 0.0, "the other robot hears zero")
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 240.0)
+    set_send_timeout(monkeypatch, 240.0)
     stuck.process.send_signal(signal.SIGCONT)
     middleware.publish(topic, 0.0)
     wait_for(lambda: stuck.heard and stuck.heard[-1] == 0.0, "the robot hears zero, after all that waited for it")
@@ -451,8 +452,8 @@ def test_a_robot_that_does_not_read_holds_up_no_other_and_hears_zero_when_it_rea
 @pytest.mark.usefixtures("kernel_sends")
 def test_the_first_speed_waits_until_the_robot_has_connected(feed, robot, monkeypatch):
     heard = robot("/first/cmd_vel").heard
-    monkeypatch.setattr("robowidgets.feeds._ros1_publications.SEND_TIMEOUT", 0.001)
-    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 20.0)  # the machine may be busy
+    set_send_timeout(monkeypatch, 0.001)
+    set_connect_timeout(monkeypatch, 20.0)  # the machine may be busy
     feed.driving = feeds.Driving("/first/cmd_vel")
     wait_for(lambda: any(topic.name == "/first/cmd_vel" and topic.wanted for topic in feed.topics), "it is listened to")
     feed.drive(0.25)

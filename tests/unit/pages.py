@@ -9,6 +9,7 @@ import weakref
 from collections.abc import Callable
 from typing import Any
 
+from IPython.core.formatters import DisplayFormatter
 from ipywidgets import Widget
 from ipywidgets.widgets.widget import _put_buffers
 from traitlets.log import get_logger
@@ -67,6 +68,17 @@ def widgets_by_place(screen: ScreenWidget) -> dict[str, list[str]]:
     for room in screen.get_state()["_children"]:
         found.setdefault(room["place"], []).append(classes[room["widget"]])
     return found
+
+
+def display(value: object) -> dict[str, Any]:
+    """Return what Jupyter displays for a value, by media type."""
+    data, _ = DisplayFormatter().format(value)
+    return dict(data)
+
+
+def display_html(value: object) -> str:
+    """Return the HTML that Jupyter displays for a value."""
+    return str(display(value)["text/html"])
 
 
 def from_page(widget: Any, content: Any) -> None:

@@ -127,7 +127,9 @@ def _changed(
         if (found.number.line, found.number.column) == place:
             break
     else:
-        raise NotChangedError(f"no number is in line {code.co_firstlineno + place[0]} at column {place[1] + 1}")
+        raise NotChangedError(
+            f"expected a number in line {code.co_firstlineno + place[0]} at column {place[1] + 1}; run the cell again"
+        )
     if found.number.why:
         raise NotChangedError(found.number.why)
     is_whole = isinstance(ast.literal_eval(found.number.text), int)
@@ -144,12 +146,12 @@ def _changed(
         if ast.dump(after) == meant:
             break
     else:
-        raise NotChangedError(f"{text} cannot stand there")
+        raise NotChangedError(f"{text} would give its line another meaning; write it in the cell")
     name = file or code.co_filename
     there = codes_like(code, compiled(after, code, name))
     which = same[0] if number is None else number
     if which >= len(there) or there[which].co_freevars != code.co_freevars:
-        raise NotChangedError("several functions of its name are on its line")
+        raise NotChangedError("several functions are on its line; write each on a line of its own")
     if file:
         _remember(file, made)
     inner = like(function_in(function), there[which])

@@ -125,7 +125,11 @@ class Series(Columns, Generic[Taken]):
                 "by time there are at(seconds) and between(start, end)"
             ) from None
         if not -len(self) <= number < len(self):
-            raise IndexError(f"{self.topic}: number {number}, and there are {len(self):,}")
+            raise IndexError(
+                f"{self.topic}: expected a number from 0 to {len(self) - 1:,}, got {number}"
+                if len(self)
+                else f"{self.topic}: the topic has no samples"
+            )
         row = int(self._row_numbers[number])
         return self._moment(int(self._all_times[row]), self._sample(row))
 

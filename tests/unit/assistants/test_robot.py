@@ -22,7 +22,7 @@ from robowidgets.feeds import Advert, Driving, Feed, FeedError
 from robowidgets.stop_widget import StopWidget
 
 from ..clocks import ManualClock
-from ..feeds.scripted import CMD_VEL, ODOM, SCAN, Scripted, scan
+from ..feeds.scripted import CMD_VEL, ODOM, SCAN, Scripted, scan, set_discovery_timeout
 from ..waiting import wait_for
 from .asking import ask, refusal, result
 
@@ -39,7 +39,7 @@ def clock() -> ManualClock:
 @pytest.fixture
 def held(clock: ManualClock, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Feed, Scripted, Hand]]:
     """A feed by a clock that the test moves, and the hand of an assistant on it."""
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.0)
+    set_discovery_timeout(monkeypatch, 0.0)
     script = Scripted(SCAN, CMD_VEL)
     feed = Feed(script, clock=clock)
     hand = Hand(feed, LIMITS)
@@ -148,7 +148,7 @@ def test_a_pad_takes_over_at_once_and_the_assistant_does_not_go_on_after_it(held
     feed.watchdog.take("pad")
     clock.advance(0.02)
     assert script.speeds[-1] == (0.0, 0.0)
-    with pytest.raises(FeedError, match="a hand drives from a pad; nothing was sent"):
+    with pytest.raises(FeedError, match="a hand drives from a pad, until it is released; nothing was sent"):
         hand.drive(0.1, 0.0, 5.0)
     feed.watchdog.let_go("pad")
     clock.advance(5.0)
@@ -254,7 +254,7 @@ def serve(monkeypatch: pytest.MonkeyPatch) -> Iterator[Serve]:
     """Opens servers on a script."""
     from robowidgets.assistants.server import AssistantServer
 
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
+    set_discovery_timeout(monkeypatch, 0.02)
     monkeypatch.setattr("robowidgets.assistants.live.FIRST_MESSAGE_TIMEOUT_S", 0.1)
     opened: list[tuple[Any, Feed]] = []
 

@@ -402,7 +402,7 @@ def test_a_missing_time_is_named() -> None:
         a = b = None
         moves = "a -> b after pause"
 
-    with pytest.raises(LookupError, match="no 'pause' in class Walker, around it, or in the notebook"):
+    with pytest.raises(LookupError, match="'pause' is not in class Walker, around it, or in the notebook; define it"):
         Run(Walker).at(0.0)
 
 
@@ -443,7 +443,7 @@ def clip(value: float) -> float:
         ),
         ({"a": None, "moves": "a -> b"}, ValueError, "got 'a -> b'"),
         ({"a": None, "turn": None, "moves": "a -> trun after 1"}, TypeError, "no state 'trun' .*did you mean turn?"),
-        ({"a": None, "b": None, "moves": "a -> b on near"}, TypeError, "no 'near' in class Walker, around it"),
+        ({"a": None, "b": None, "moves": "a -> b on near"}, TypeError, "'near' is not in class Walker, around it"),
         ({"a": 3, "b": None, "moves": "a -> b after 1"}, TypeError, "state Walker.a: expected a function, a class"),
         ({"a": None, "b": None, "x": 1, "moves": "a -> b on x"}, TypeError, "expected a function or a condition"),
         ({"a": None}, TypeError, "class Walker has no 'moves' between its states; expected a text such as 'state -> "),
@@ -489,7 +489,9 @@ def test_moves_that_go_round_at_once_and_events_that_are_neither_true_nor_false_
         a = b = None
         moves = "a -> b at once", "b -> a at once"
 
-    with pytest.raises(RuntimeError, match="the moves of Round go round at once"):
+    with pytest.raises(
+        RuntimeError, match=r"the moves of Round go round without end, .*: give one of them an event or a time"
+    ):
         Run(Round).at(0.0)
 
     class Odd:

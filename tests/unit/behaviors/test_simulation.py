@@ -37,5 +37,5 @@ def test_a_topic_that_the_simulated_robot_does_not_have_is_refused(feed: Feed) -
     def go(imu):  # type: ignore[no-untyped-def]
         return Drive(imu.x)
 
-    with pytest.raises(ValueError, match="asks for imu on /imu, and the simulated robot sends /scan, /odom"):
+    with pytest.raises(ValueError, match="asks for imu on /imu, but the simulated robot sends only /scan, /odom"):
         list(simulate(go, Robot(World.rooms(), seed=1), 1.0))

@@ -253,7 +253,7 @@ def test_a_message_with_a_depth_image_is_a_scan_of_its_time() -> None:
     ("depth", "rows", "error"),
     [
         (np.zeros((4, 4, 3)), 1, r"expected an image of shape \(H, W\), got shape \(4, 4, 3\)"),
-        (np.zeros((480, 640), complex), 1, "depth: expected an image of metres"),
+        (np.zeros((480, 640), complex), 1, "depth: expected metres as floats, or millimetres as whole numbers"),
         (np.zeros((480, 640)), (470, 490), "rows: expected rows of an image of 480, got 470 to 490"),
         (np.zeros((100, 640)), 1, "for another picture"),
     ],

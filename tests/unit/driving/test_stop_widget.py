@@ -107,7 +107,7 @@ def test_a_zero_that_fails_is_reported_until_it_was_sent(feed: Feed, script: Scr
 
 def test_a_bar_has_no_press(bar: StopWidget, caplog: pytest.LogCaptureFixture) -> None:
     hear(bar, "press")
-    wait_for(lambda: "act: a Stop has no press" in caplog.text, "it is logged")
+    wait_for(lambda: "act: expected stop, allow or beat for a Stop, got press" in caplog.text, "it is logged")
 
 
 @pytest.mark.parametrize("robot", [None, 3, print, SimpleNamespace(watchdog=3)])

@@ -5,12 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import pytest
+
 from robowidgets.feeds import Advert, FeedError, Listener
 
 SCAN = Advert("/scan", "sensor_msgs/msg/LaserScan", wanted=False)
 ODOM = Advert("/odom", "nav_msgs/msg/Odometry", wanted=False)
 CMD_VEL = Advert("/cmd_vel", "geometry_msgs/msg/Twist", offered=False, wanted=True)
 IMU = Advert("/imu", "sensor_msgs/msg/Imu", wanted=False)
+
+
+def set_discovery_timeout(patch: pytest.MonkeyPatch, seconds: float) -> None:
+    """Set the seconds for which a new feed waits for topics and for subscribers."""
+    patch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", seconds)
+
+
+def set_connect_timeout(patch: pytest.MonkeyPatch, seconds: float) -> None:
+    """Set the seconds for which the first speed, and the last zero, wait for a subscriber to connect."""
+    patch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", seconds)
 
 
 class Scripted:

@@ -21,7 +21,7 @@ from robowidgets.runtime.clock import Clock, scheduler
 from ..clocks import ManualClock
 from ..driving.test_drive_widget import Pad
 from ..waiting import wait_for
-from .scripted import CMD_VEL, ODOM, SCAN, Scripted, twist
+from .scripted import CMD_VEL, ODOM, SCAN, Scripted, set_connect_timeout, set_discovery_timeout, twist
 
 STAMPED = CMD_VEL._replace(type="geometry_msgs/msg/TwistStamped")
 
@@ -34,7 +34,7 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> Iterator[Driven]:
 
     Their speeds hold long, unless a test names a hold: a busy machine may send one late.
     """
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
+    set_discovery_timeout(monkeypatch, 0.02)
     there: list[Feed] = []
 
     def open_one(
@@ -407,7 +407,7 @@ def test_driving_otherwise_does_not_forget_the_zero_that_another_topic_is_owed(d
 def test_stopping_waits_a_moment_for_the_robot_and_for_a_subscriber(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 240.0)
+    set_discovery_timeout(monkeypatch, 240.0)
     feed, script = driven(connected=False)
     heard = threading.Timer(0.1, lambda: script.listener.on_topics([SCAN, STAMPED]))
     listed = threading.Timer(0.05, lambda: (script.listener.on_topics([SCAN]), heard.start()))
@@ -477,7 +477,7 @@ def test_the_middleware_is_closed_whatever_keeps_zero_from_being_sent(
 def test_driving_waits_two_seconds_for_the_robot_and_no_longer(
     driven: Driven, clock: ManualClock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 2.0)
+    set_discovery_timeout(monkeypatch, 2.0)
     feed, script = driven(connected=False, clock=clock)
     driving = clock.beside(lambda: feed.drive(0.1))
     clock.advance(1.999)
@@ -552,7 +552,7 @@ def test_a_subscriber_that_does_not_connect_is_named_after_two_seconds(
 
 
 def test_a_speed_is_not_tried_again_after_a_stop(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 20.0)
+    set_connect_timeout(monkeypatch, 20.0)
     monkeypatch.setattr("robowidgets.driving.command_watchdog.RETRY", 0.02)
     feed, script = driven(CMD_VEL)
     tried = connects_after(3, script, monkeypatch)
@@ -603,7 +603,7 @@ def loses_zeros(attempts: float, script: Scripted, monkeypatch: pytest.MonkeyPat
 
 
 def test_on_closing_zero_is_sent_again_until_it_is_confirmed(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 1000.0)
+    set_connect_timeout(monkeypatch, 1000.0)
     feed, script = driven(CMD_VEL)
     tried = loses_zeros(5, script, monkeypatch)
     feed.drive(0.3)
@@ -615,7 +615,7 @@ def test_on_closing_zero_is_sent_again_until_it_is_confirmed(driven: Driven, mon
 def test_a_zero_that_is_not_confirmed_before_the_process_ends_is_logged(
     driven: Driven, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 0.2)
+    set_connect_timeout(monkeypatch, 0.2)
     feed, script = driven(CMD_VEL)
     tried = loses_zeros(inf, script, monkeypatch)
     feed.drive(0.3)
@@ -656,7 +656,7 @@ def test_a_stop_while_a_speed_waits_for_the_guard_refuses_it(clock: ManualClock)
 
 
 def test_a_latched_stop_ends_the_attempts(driven: Driven, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 1000.0)
+    set_connect_timeout(monkeypatch, 1000.0)
     feed, script = driven(CMD_VEL)
     tried = connects_after(1_000_000, script, monkeypatch)
     latch = threading.Thread(target=lambda: (wait_for(lambda: tried, "it is tried"), setattr(feed, "stopped", True)))
@@ -664,7 +664,7 @@ def test_a_latched_stop_ends_the_attempts(driven: Driven, monkeypatch: pytest.Mo
     with pytest.raises(FeedError, match=r"has not connected|Stop is pressed"):
         feed.drive(0.3)
     latch.join()
-    monkeypatch.setattr("robowidgets.feeds._driver.CONNECT_TIMEOUT", 0.1)  # closing would wait as long for the robot
+    set_connect_timeout(monkeypatch, 0.1)  # closing would wait as long for the robot
 
 
 def test_words_for_what_cannot_be_driven(driven: Driven) -> None:
@@ -832,7 +832,7 @@ def test_a_driven_topic_is_driven_on_even_if_others_get_subscribers(driven: Driv
 def test_no_topic_is_chosen_before_the_usual_one_had_time_to_be_found(
     driven: Driven, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 60.0)
+    set_discovery_timeout(monkeypatch, 60.0)
     feed, script = driven(ROBOT_1)
     feed.stopped = True
     wait_for(lambda: script.sent, "zero is sent")

@@ -22,6 +22,7 @@ from robowidgets import DriveWidget, LaserWidget, Scan, SpeedWidget, feeds
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._open_feeds import open_feeds
 
+from ..pages import display_html
 from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
 
@@ -73,8 +74,8 @@ def test_a_feed_prints_as_a_table_of_its_topics(opened: Opened) -> None:
 
 def test_a_table_holds_no_markup_of_others(opened: Opened) -> None:
     feed, _ = opened(Advert("/<b>", "<script>"))
-    assert '<td style="text-align:left">/&lt;b&gt;</td>' in feed._repr_html_()
-    assert "<script>" not in feed._repr_html_()
+    assert '<td style="text-align:left">/&lt;b&gt;</td>' in display_html(feed)
+    assert "<script>" not in display_html(feed)
 
 
 def test_a_table_says_what_is_wrong_with_the_connection(opened: Opened) -> None:
@@ -281,7 +282,9 @@ def test_words_for_what_cannot_be_connected(opened: Opened) -> None:
     for wrong in (lambda: None, lambda a, b, c: (a, b, c)):
         with pytest.raises(TypeError, match=r"a message and the time at which it came; got <lambda>\("):
             feed.connect("/scan", wrong)
-    with pytest.raises(TypeError, match=r"connect\('/scan'\) needs a widget, or a function of a sample"):
+    with pytest.raises(
+        TypeError, match=r"connect\('/scan'\): expected a widget, or a function of a sample, after the topic; got none"
+    ):
         feed.connect("/scan")
     with pytest.raises(TypeError, match=r"expected the name of a topic as text, got \['/scan'\]"):
         feed.connect(["/scan"], LaserWidget())  # type: ignore[arg-type]

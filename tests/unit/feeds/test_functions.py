@@ -16,7 +16,7 @@ from robowidgets import LaserWidget, Scan, Speed, SpeedWidget, Touch
 from robowidgets.feeds import Advert, Driving, Feed, FeedError
 
 from ..waiting import Clock, wait_for
-from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
+from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, set_discovery_timeout, twist
 
 BUMPER = Advert("/bumper", "kobuki_msgs/msg/BumperEvent")
 Opened = Callable[..., tuple[Feed, Scripted]]
@@ -33,7 +33,7 @@ def gate() -> Iterator[threading.Event]:
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
     """Opens feeds on a script, and closes them."""
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
+    set_discovery_timeout(monkeypatch, 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert) -> tuple[Feed, Scripted]:
@@ -481,7 +481,7 @@ class TestScans:
     def test_a_missing_topic_is_reported_while_it_is_awaited_and_may_come_late(
         self, opened: Opened, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, how: str
     ) -> None:
-        monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
+        set_discovery_timeout(monkeypatch, 0.02)
         monkeypatch.setattr("robowidgets.widget.robot_widget.PATIENCE", 0.02)
         feed, script = opened(SCAN, ODOM)
         laser, got = LaserWidget(), []

@@ -241,7 +241,7 @@ def test_a_slow_disk_delays_nothing_and_dropped_messages_are_reported(
             script.listener.on_message("/scan", scan())
         monkeypatch.setattr(live_writer, "CLOSE_TIMEOUT", 0.1)
         recorder.close()
-        assert "the disk is slow: the file is not complete yet" in caplog.text
+        assert "the disk is slow: the file is not complete yet; wait before you open or copy it" in caplog.text
         assert (recorder.closed, repr(recorder).splitlines()[0]) == (True, f"{path}: 0 messages, still being written")
         goes_on.set()
         wait_for(lambda: not threads_named("robowidgets-recorder"), "the file is complete")
@@ -249,7 +249,7 @@ def test_a_slow_disk_delays_nothing_and_dropped_messages_are_reported(
     kept = len(decoded(tmp_path / "run.mcap")["/scan"])
     assert 10 <= kept <= 12
     assert recorder.problems == (f"/scan: {50 - kept} messages dropped, because writing did not keep up",)
-    assert f"{50 - kept} messages dropped" in caplog.text
+    assert f"{50 - kept} messages dropped, as writing was too slow; record fewer topics" in caplog.text
 
 
 def test_a_flood_of_one_topic_pushes_out_no_message_of_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ from robowidgets.behaviors import Drive
 from robowidgets.driving.command_watchdog import CommandWatchdog
 from robowidgets.feeds import Driving, Feed
 
+from ..pages import display
 from ..waiting import threads_named, wait_for
 from .scripted import CMD_VEL, Scripted
 
@@ -63,7 +64,7 @@ class TestStopAll:
         assert said["closed"] == "cannot stop: its feed is closed; open it again"
         assert red_script.speeds[-1] == (0.0, 0.0)
         assert "red: is sent zero\n" in repr(everybody)
-        everybody._repr_mimebundle_()
+        display(everybody)
         assert "&lt;b&gt;hangs&lt;/b&gt;" in everybody._box.children[3].value
         hanging.go.set()
         wait_for(lambda: everybody.problems["<b>hangs</b>"] == "", "it is stopped as soon as it can be")
@@ -77,7 +78,7 @@ class TestStopAll:
             red.drive(0.2)
         wait_for(lambda: len(script.speeds) > first + 1, "zeros go on")
         assert set(script.speeds) == {(0.0, 0.0)}
-        everybody._repr_mimebundle_()
+        display(everybody)
         buttons, line = everybody._box.children
         stop, release = buttons.children
         assert line.value == "■ <b>red</b> is sent zero"

@@ -19,9 +19,9 @@ from robowidgets.stop_widget import StopWidget
 from robowidgets.topics_widget import TopicsWidget
 from robowidgets.wires_widget import WiresWidget
 
-from ..pages import from_page, synced, widgets_by_place
+from ..pages import display, from_page, synced, widgets_by_place
 from ..waiting import wait_for
-from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, twist
+from .scripted import CMD_VEL, IMU, ODOM, SCAN, Scripted, scan, set_discovery_timeout, twist
 
 BUMPER = Advert("/bumper", "kobuki_msgs/msg/BumperEvent")
 
@@ -31,7 +31,7 @@ Opened = Callable[..., tuple[Feed, Scripted]]
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch) -> Iterator[Opened]:
     """Opens feeds on a script, with a short wait for subscribers that never come, and closes them."""
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
+    set_discovery_timeout(monkeypatch, 0.02)
     there: list[Feed] = []
 
     def open_one(*topics: Advert, connected: bool = True) -> tuple[Feed, Scripted]:
@@ -320,11 +320,11 @@ def test_the_cell_of_a_view_next_to_the_notebook_shows_a_bar_which_is_closed_wit
     feed, _ = opened(SCAN)
     shown = "application/vnd.jupyter.widget-view+json"
     here, view = feed.show(), feed.show(beside=True)
-    assert here._repr_mimebundle_()[0][shown]["model_id"] == here.model_id
+    assert display(here)[shown]["model_id"] == here.model_id
     bar = view._bar
     assert bar is not None
-    data, _ = bar._repr_mimebundle_()
-    assert view._repr_mimebundle_()[0] == data
+    data = display(bar)
+    assert display(view) == data
     assert data[shown]["model_id"] == bar.model_id
     assert synced(bar, "_view") == view.model_id
     view.close()
@@ -334,7 +334,7 @@ def test_the_cell_of_a_view_next_to_the_notebook_shows_a_bar_which_is_closed_wit
 
 
 def test_showing_waits_for_the_first_topics(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 240.0)
+    set_discovery_timeout(monkeypatch, 240.0)
     feed, script = opened()
     threading.Timer(0.05, lambda: script.listener.on_topics([SCAN])).start()
     assert on_page(feed.show()) == ["/scan"]

@@ -20,7 +20,7 @@ from robowidgets.fleet._sheet import Sheet
 from robowidgets.recordings.search.base import condition
 from robowidgets.sheet_widget import SheetWidget
 
-from ..pages import from_page, synced
+from ..pages import display_html, from_page, synced
 from ..recordings import recorded, sweeps
 from .executors import Here
 
@@ -301,12 +301,12 @@ def test_a_table_grows_below_the_cell_while_a_search_runs_and_stands_for_the_res
     assert [count for count, _ in grown] == sorted(count for count, _ in grown)
     assert [done for _, done in grown[-2:]] == [4, None]
     assert grown[-1][0] == len(found) == 24
-    assert "<td" not in found._repr_html_()
+    assert "<td" not in display_html(found)
     other = found.show()
     assert sheet.comm is None, "the sheet takes the place of the table"
     other.close()
     run = ("cell", "second run")
-    assert "<td" in found._repr_html_()
+    assert "<td" in display_html(found)
     sheet.close()
 
 

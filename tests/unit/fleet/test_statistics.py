@@ -149,7 +149,12 @@ def test_groups_come_from_a_field_the_folder_the_day_a_mapping_or_a_function(tmp
         ),
         (("front",), {"by": "robot"}, ValueError, "by: expected one of 'file', 'folder', 'day', 'sensors'"),
         (("front",), {"by": Path("runs")}, TypeError, "by: expected a text, a mapping, a function or None"),
-        (("front",), {"by": {}}, ValueError, "by: has no group for .*, one of 4 recordings without one"),
+        (
+            ("front",),
+            {"by": {}},
+            ValueError,
+            "by: expected a group for each recording, got none for .*, one of 4 without",
+        ),
         (("/none.x",), {}, RecordingError, "none of 4 recordings has /none.x: .*no topic '/none'"),
         (("/odom.header.stamp",), {}, RecordingError, "is a time, not a number"),
         (("/odom.header.frame_id",), {}, RecordingError, "is a string, not a number"),

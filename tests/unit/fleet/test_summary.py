@@ -14,6 +14,7 @@ import robowidgets
 from robowidgets.command import main
 from robowidgets.fleet import Summary, doctor, summary
 
+from ..pages import display_html
 from ..recordings import recorded
 from .executors import Here
 
@@ -52,7 +53,7 @@ def test_bars_show_which_drive_went_far_and_came_near() -> None:
     lines = [line.split() for line in repr(made).splitlines()[2:]]
     assert lines[0] == ["a.bag", "1.0", "20.0", "m", "█████", "0", "0", "0.50", "m", "█████", "0.00"]
     assert lines[1] == ["b.bag", "1.0", "13.0", "m", "███▎", "0", "4", "█████", "0.00"]
-    assert 'rgba(128,128,128,.3) 65%,transparent 65%)">13.0 m</td>' in made._repr_html_()
+    assert 'rgba(128,128,128,.3) 65%,transparent 65%)">13.0 m</td>' in display_html(made)
 
 
 def test_the_sum_of_the_ways_covers_only_drives_with_a_way() -> None:

@@ -37,7 +37,7 @@ from robowidgets.screens.layout import on_one_screen
 from robowidgets.widget.freezing import freeze_together
 
 from ... import camera_drive, map_scene
-from ..pages import get_edition
+from ..pages import get_edition, synced
 from ..recordings import recorded
 
 SECOND = 1_000_000_000
@@ -331,6 +331,6 @@ def test_the_first_picture_stands_next_to_a_laser_that_stands_alone_and_others_b
 def test_a_picture_stands_in_a_group_with_a_plot_which_has_no_samples() -> None:
     image, laser, plot = ImageWidget(), LaserWidget(title="/scan"), PlotWidget("/imu.angular_velocity.z")
     freeze_together([image, laser, plot])  # as a player does
-    assert image._lasers == ["/scan"]
+    assert synced(image, "_lasers") == ["/scan"]
     for widget in (image, laser, plot):
         widget.close()

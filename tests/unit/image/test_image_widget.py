@@ -39,7 +39,7 @@ def ask(widget: ImageWidget, question: dict[str, Any]) -> None:
 
 
 def test_pixels_and_regions_are_read_as_of_an_array(widget: ImageWidget) -> None:
-    with pytest.raises(IndexError, match="no picture came"):
+    with pytest.raises(IndexError, match=r"^no picture has come yet; update\(\.\.\.\) shows one$"):
         widget[0, 0]
     widget.update(COLORS)
     assert widget[1, 2].tolist() == COLORS[1, 2].tolist()

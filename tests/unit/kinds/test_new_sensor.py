@@ -205,7 +205,9 @@ def test_a_program_gets_them_if_the_robot_has_the_sensor() -> None:
         moves = "filling -> emptying after 1"
 
     assert {"gas", "gas_status"} <= {*Machine(Tank).asks_for}
-    with pytest.raises(ValueError, match="a program asks for gas, and the simulated robot has no gas sensors"):
+    with pytest.raises(
+        ValueError, match="a program asks for gas, but the simulated robot has no gas sensors: remove the parameter"
+    ):
         next(simulate(lambda gas: gas, Robot(World.rooms()), 1.0))
 
 
@@ -216,7 +218,7 @@ def test_broken_rows_of_other_packages_are_logged_by_name_and_left_out(caplog: p
             add_installed()
     texts = sorted(record.getMessage() for record in caplog.records)
     assert [text.partition(": ")[0] for text in texts] == [
-        f"the room {name!r} of {place} is left out" for name, place in BROKEN.items()
+        f"the room {name!r} of {place} is left out, update its package" for name, place in BROKEN.items()
     ]
     assert "AttributeError" in texts[0]
     assert "ModuleNotFoundError" in texts[1]

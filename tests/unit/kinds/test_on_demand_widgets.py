@@ -21,7 +21,7 @@ from robowidgets.recordings import UnknownTopicError
 from robowidgets.screens.player import Player
 
 from ...more_rows.on_demand import ANY, FIELDS, WORDS, AnyWidget, FieldsWidget, WordsWidget, added
-from ..feeds.scripted import IMU, ODOM, SCAN, Scripted
+from ..feeds.scripted import IMU, ODOM, SCAN, Scripted, set_discovery_timeout
 from ..pages import from_page
 from ..recordings import recorded
 from ..recordings.sweeps import TYPE as LASER_SCAN
@@ -169,7 +169,7 @@ SAYS, LOG = Advert("/says", STRING), Advert("/log", STRING)
 class TestAFeed:
     @pytest.fixture(autouse=True)
     def _impatient(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("robowidgets.feeds._subscriptions.DISCOVERY_TIMEOUT_S", 0.02)
+        set_discovery_timeout(monkeypatch, 0.02)
 
     def test_shows_all_topics_if_no_topic_has_a_widget(self) -> None:
         script = Scripted(NUMBER, SAYS, LOG)

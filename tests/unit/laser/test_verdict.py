@@ -23,6 +23,8 @@ from robowidgets.recordings.search.base import condition
 from robowidgets.recordings.search.instant import NoSampleYetError
 from robowidgets.samples.verdict import Verdict, fact
 
+from ..pages import display_html
+
 NAN, INF = float("nan"), float("inf")
 
 
@@ -411,4 +413,4 @@ class TestFound:
             }
             bumps = recording.find(conditions.touched() & conditions.nearest_below(0.3))
             assert "nearest  index   angle" in repr(bumps)
-            assert f'<td style="text-align:right">[{bumps[0].index}]</td>' in bumps._repr_html_()
+            assert f'<td style="text-align:right">[{bumps[0].index}]</td>' in display_html(bumps)

@@ -19,6 +19,7 @@ from robowidgets.lessons import _grading
 from robowidgets.lessons._progress import FILE, TASKS, Task, write
 
 from ...conftest import ROOT
+from ..pages import display_html
 
 pytestmark = pytest.mark.slow
 
@@ -138,7 +139,7 @@ def test_before_the_grading_claims_are_shown_as_claims_and_what_is_empty_or_dama
     assert "✓?" in repr(found)
     assert "✓ " not in repr(found)
     assert "Not graded: this is what the students' computers wrote" in repr(found)
-    assert 'class="rw-yes"' not in found._repr_html_()
+    assert 'class="rw-yes"' not in display_html(found)
     assert found.problems == (f"{Path('bo/b.ipynb')}: it is empty",)
 
 

@@ -20,6 +20,7 @@ from robowidgets.lessons import _progress, _texts
 from robowidgets.lessons._progress import FILE, TASKS, ReportError, Task, fingerprint, read, write
 
 from ...conftest import ROOT
+from ..pages import display, display_html
 
 
 @pytest.fixture(autouse=True)
@@ -64,7 +65,7 @@ class TestProgress:
         assert repr(progress) == "1 of 12 done"
         assert "<b>1 of 12 done</b>" in line.value
         assert progress.done == ("bumper_reflex",)
-        assert "application/vnd.jupyter.widget-view+json" in progress._repr_mimebundle_()
+        assert "application/vnd.jupyter.widget-view+json" in display(progress)
         assert repr(lessons.progress()) == "1 of 12 done"  # from a kernel that restarts
 
     def test_tries_are_different_answers_until_one_is_right_which_stays(self) -> None:
@@ -249,7 +250,7 @@ class TestSummary:
         assert "&lt;/pre&gt;&lt;script&gt;" in page
         assert "&lt;i&gt;bo" in page
         assert "default-src 'none'" in page
-        assert found._repr_html_() in page
+        assert display_html(found) in page
 
     def test_reports_of_the_same_name_are_distinguished_by_their_folders(self, folder: Path) -> None:
         for name in ("ada", "bo"):

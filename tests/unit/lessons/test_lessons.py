@@ -23,6 +23,8 @@ from robowidgets.lessons._check import TASKS, judged
 from robowidgets.lessons._programs import stop_before_wall
 from tests.unit.waiting import wait_for
 
+from ..pages import display_html
+
 NAMES = ["nearest_on_the_left", "fits_through", "stop_at_wall", "bumper_reflex", "slow_in_doorway"]
 
 
@@ -122,7 +124,7 @@ class TestWrongAnswers:
         assert line.endswith("AttributeError: 'Scan' object has no attribute 'distence'; did you mean 'distance'?")
 
     def test_a_notebook_gets_a_list_in_which_texts_are_not_markup(self) -> None:
-        shown = check("nearest_on_the_left", lambda _scan: "<b>2</b>")._repr_html_()
+        shown = display_html(check("nearest_on_the_left", lambda _scan: "<b>2</b>"))
         assert shown.startswith("<div>nearest_on_the_left: right in 0 of 8 cases. Still wrong:</div><ul><li>a hall: ")
         assert "&lt;b&gt;2&lt;/b&gt;" in shown
 
@@ -545,7 +547,7 @@ class TestResult:
         assert len(printed) == 11
         assert result.prints == ("<8>", "<9>", "<10>")
         assert repr(result).endswith("\nIt printed last:\n  <8>\n  <9>\n  <10>")
-        assert result._repr_html_().endswith("<div>It printed last:</div><pre>&lt;8&gt;\n&lt;9&gt;\n&lt;10&gt;</pre>")
+        assert display_html(result).endswith("<div>It printed last:</div><pre>&lt;8&gt;\n&lt;9&gt;\n&lt;10&gt;</pre>")
         assert capsys.readouterr().out == ""
 
     def test_what_a_function_prints_without_an_end_of_its_line_is_shown_too(self) -> None:
@@ -599,7 +601,7 @@ class TestLines:
         assert lines[3].endswith("not reached")
         assert lines[4].endswith("True  2.99 > 1.50")
         assert repr(result).endswith(f"\n{result.lines}")
-        shown = result._repr_html_()
+        shown = display_html(result)
         assert "<code>front</code> was 2.99 m" in shown
         assert "front &gt; 5.0" in shown
 
@@ -675,7 +677,7 @@ class TestLines:
             text = "<b>2</b>"
             return [text]
 
-        shown = check_named(answer)._repr_html_()
+        shown = display_html(check_named(answer))
         assert "<b>" not in shown
         assert "<code>text</code> was &#x27;&lt;b&gt;2&lt;/b&gt;&#x27;" in shown
 

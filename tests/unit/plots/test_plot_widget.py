@@ -20,9 +20,11 @@ from robowidgets.plots._thin import ThinRows, thinned
 from robowidgets.plots.frame import pack
 from robowidgets.plots.line import GrowingLine, slope
 from robowidgets.recordings import RecordingError
+from robowidgets.widget.pacer import pacer
 
 from ..pages import from_page, synced
 from ..recordings import recorded
+from ..senders import turn_of
 
 
 @pytest.fixture
@@ -85,7 +87,7 @@ def test_a_value_that_comes_while_a_frame_is_made_is_in_the_next(
         return pack(*given)
 
     monkeypatch.setattr("robowidgets.plot_widget.pack", pack_late)
-    with plot._send_lock:  # the pacer makes frames, too, but not now
+    with turn_of(pacer):  # it makes frames, too, but not now
         plot.update(v=1.0, time=1.0)
         assert sent(plot)[0][1].values.tolist() == [1.0]
         assert sent(plot)[0][1].values.tolist() == [1.0, 2.0]
@@ -226,19 +228,19 @@ def test_what_is_on_show_of_a_long_line_rests_after_each_time_as_long_as_that_co
 
     monkeypatch.setattr("robowidgets.plot_widget.pack", pack_slowly)
     monkeypatch.setattr("robowidgets.plot_widget.clock", SimpleNamespace(monotonic=lambda: now))
-    plot.close()  # so that the pacer sends nothing of it meanwhile
-    plot.set_line("v", np.arange(10_000) / 1000, np.zeros(10_000))
-    plot._compose()
-    came = []
-    for i in range(9):
-        plot.update(v=i, time=10 + i / 1000)
-        now += 3 / 64
-        plot._compose()
-        came.append(rows_of(synced(plot, "_detail"))[0][1].values[-1])
-    assert came == [0] * 7 + [7] * 2
-    plot.window = 1.0
-    plot._compose()
-    assert rows_of(synced(plot, "_detail"))[0][1].values[-1] == 8, "the visible part comes at once"
+    with turn_of(pacer):  # so that it sends nothing of it meanwhile
+        plot.set_line("v", np.arange(10_000) / 1000, np.zeros(10_000))
+        plot.send_newest()
+        came = []
+        for i in range(9):
+            plot.update(v=i, time=10 + i / 1000)
+            now += 3 / 64
+            plot.send_newest()
+            came.append(rows_of(synced(plot, "_detail"))[0][1].values[-1])
+        assert came == [0] * 7 + [7] * 2
+        plot.window = 1.0
+        plot.send_newest()
+        assert rows_of(synced(plot, "_detail"))[0][1].values[-1] == 8, "the visible part comes at once"
 
 
 def test_the_oldest_values_go_when_there_are_too_many(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ import robowidgets
 from robowidgets import RecordingError
 from robowidgets.samples.problem import LONGEST
 
+from ..pages import display_html
 from . import hazards, recorded, sweeps
 from .test_digest import TOLD
 from .test_mcap_dialects import SCAN
@@ -60,7 +61,7 @@ class TestTable:
         assert re.split("  +", names.strip()) == HEADS
         assert re.split("  +", row.strip()) == ROW
         assert end == "no problems found"
-        assert "no problems found" in sound._repr_html_()
+        assert "no problems found" in display_html(sound)
 
     def test_a_clockwise_scanner_is_named_and_is_not_a_problem(self, report: Callable[..., Any]) -> None:
         clockwise = report(taken(steady(0, 3), angle_min=1.5, increment=-0.1))

@@ -30,6 +30,7 @@ from robowidgets.recordings.span import Span
 from robowidgets.samples.sector import ALL_ROUND
 
 from ...conftest import ROOT
+from ..pages import display_html
 from . import hazards, recorded, robot, sweeps
 from .sweeps import START_NS
 
@@ -437,7 +438,7 @@ class TestSpans:
             "   1.00  3.00     2.00",
             "   5.00  5.50     0.50",
         ]
-        html = self.FEW._repr_html_()
+        html = display_html(self.FEW)
         assert "bump &lt;1&gt;: 2 times" in html
         assert html.count("<tr>") == 3
         assert repr(Spans("bump", [])) == "bump: never"

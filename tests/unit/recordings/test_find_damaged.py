@@ -11,6 +11,7 @@ import robowidgets
 from robowidgets import conditions
 from robowidgets.command import main
 
+from ..pages import display_html
 from . import sweeps
 
 
@@ -29,7 +30,7 @@ def test_the_result_of_a_search_reports_problems(damaged: Path) -> None:
         (problem,) = spans.problems
     assert problem.startswith("the recording was cut off: read ")
     assert repr(spans).splitlines() == ["nearest below 0.5 m: never", f"! {problem}"]
-    assert f"<div>⚠ {problem}</div>" in spans._repr_html_()
+    assert f"<div>⚠ {problem}</div>" in display_html(spans)
     assert spans[:0].problems == spans.problems
 
 

@@ -14,6 +14,7 @@ from robowidgets import conditions
 from robowidgets.command import main
 from robowidgets.recordings import UnknownTopicError
 
+from ..pages import display_html
 from . import topics
 from .topics import every
 
@@ -39,7 +40,7 @@ class TestSilent:
             "   9.50  25.00    15.50  /odom, /scan",
             "  29.50  36.00     6.50         /scan",
         ]
-        assert ">/odom, /scan</td>" in spans._repr_html_()
+        assert ">/odom, /scan</td>" in display_html(spans)
         assert spans.to_pandas()["silent"].tolist() == [("/odom", "/scan"), ("/scan",)]
 
     def test_are_not_joined_across_a_single_sample(self, tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from robowidgets.recordings import Moment, RecordingError, Topic, UnknownTopicEr
 from robowidgets.recordings._info import heading, table_of
 from robowidgets.recordings.topics import check
 
+from ..pages import display_html
 from . import recorded, robot, sweeps
 
 S = 1_000_000_000
@@ -274,7 +275,7 @@ class TestItsTable:
         assert problem == "! there is no message in it: nothing was recorded"
 
     def test_in_a_notebook_is_a_table_without_markup_from_the_file(self, recording: Recording) -> None:
-        html = recording._repr_html_()
+        html = display_html(recording)
         assert html.count("<tr>") == 6
         assert '<td style="text-align:left">/scan</td>' in html
         evil = "<script>alert('x')</script>&"

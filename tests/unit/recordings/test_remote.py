@@ -19,6 +19,8 @@ import robowidgets
 from robowidgets.command import _notebooks, main
 from robowidgets.files import _copies, remote
 
+from ..pages import display_html
+
 fsspec = pytest.importorskip("fsspec")
 
 SAMPLE = Path(robowidgets.SAMPLE)
@@ -410,10 +412,10 @@ def test_a_secret_of_a_url_is_neither_shown_nor_written_and_its_name_opens_while
     assert drives.files == (name, name.replace("drive", "none"))
     assert {hit.file for hit in [*hits, *many, *drives.find(near)]} == {name}
     with robowidgets.open(url) as recording:
-        shown = [recording.url, repr(recording), recording._repr_html_()]
+        shown = [recording.url, repr(recording), display_html(recording)]
         with pytest.raises(robowidgets.RecordingError, match="labels cannot be stored with a copy") as error:
             recording.label("door", 0, 1)
-    shown += [str(error.value), *(f"{table!r}{table._repr_html_()}" for table in tables)]
+    shown += [str(error.value), *(f"{table!r}{display_html(table)}" for table in tables)]
     shown += [f"{table.to_json()}{table.files}{table.unread}" for table in (hits, many)]
     hits[:2].to_html(tmp_path / "hits.html")
     (tmp_path / "folder").mkdir()

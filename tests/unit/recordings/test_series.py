@@ -203,7 +203,7 @@ class TestPicking:
 
     def test_errors_say_what_to_do(self, drive: robowidgets.Recording) -> None:
         scans = drive.scans()
-        with pytest.raises(IndexError, match="/scan: number 100, and there are 100"):
+        with pytest.raises(IndexError, match="/scan: expected a number from 0 to 99, got 100"):
             scans[100]
         with pytest.raises(
             TypeError, match=r"a slice of numbers or a mask, got 2\.5; by time there are at\(seconds\) and between"

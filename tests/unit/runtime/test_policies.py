@@ -60,8 +60,7 @@ class User:
     def words(self) -> str:
         """The text for the user."""
         if self.kind == "condition":
-            self.laser._bring_up_to_date()
-            return " ".join(lamp["text"] for lamp in self.laser._about.get("lamps", ()))
+            return " ".join(lamp["text"] for lamp in self.laser.get_state()["_about"].get("lamps", ()))
         return repr(self.feed if self.kind == "function" else self.feed.programs.current)
 
 

@@ -23,14 +23,14 @@ POLICY = Policy(late=0.1, look=0.1)
 class Owner:
     """Lets a runner call queued functions, and notes their results and the times of looking at them."""
 
-    def __init__(self, clock: ManualClock) -> None:
+    def __init__(self, clock: ManualClock, policy: Policy) -> None:
         self.clock, self.threads = clock, Threads(clock)
         self.lock = threading.RLock()
         self.waiting: list[Callable[[], Any]] = []
         self.outcomes: list[Outcome] = []
         self.looks: list[tuple[float, float]] = []
         self.gates: list[threading.Event] = []
-        self.runner = Runner(self.turn, self.lock, NAME, POLICY, on_look=self.look, scheduler=self.threads)
+        self.runner = Runner(self.turn, self.lock, NAME, policy, on_look=self.look, scheduler=self.threads)
 
     def turn(self, call: Call) -> float | None:
         with self.lock:
@@ -59,8 +59,8 @@ class Owner:
 
 
 @pytest.fixture
-def owner() -> Iterator[Owner]:
-    owner = Owner(ManualClock())
+def owner(request: pytest.FixtureRequest) -> Iterator[Owner]:
+    owner = Owner(ManualClock(), getattr(request, "param", POLICY))
     yield owner
     owner.runner.detach()
     for gate in owner.gates:
@@ -122,19 +122,18 @@ def test_a_function_in_the_turn_cannot_detach_it(owner: Owner) -> None:
 
 
 def test_the_thread_ends_when_there_is_nothing_to_do_and_another_one_starts(owner: Owner) -> None:
-    owner.run(lambda: 1)
-    owner.clock.advance(LINGER - 0.01)
-    first = owner.runner._ticket
-    assert first is not None
-    owner.run(lambda: 2)
-    owner.clock.advance(LINGER - 0.01)
-    assert owner.runner._ticket is first
+    for _ in range(2):
+        owner.run(threading.current_thread)
+        owner.clock.advance(LINGER - 0.01)
+    first, again = (outcome.value for outcome in owner.outcomes)
+    assert first is again
+    assert owner.runner.is_at_work
     owner.clock.advance(0.02)
-    assert owner.runner._ticket is None
-    assert not first.is_alive()
-    owner.run(lambda: 3)
+    assert not owner.runner.is_at_work
+    wait_for(lambda: not first.is_alive(), "it ends")
+    owner.run(threading.current_thread)
     owner.clock.settle()
-    assert [outcome.value for outcome in owner.outcomes] == [1, 2, 3]
+    assert owner.outcomes[-1].value is not first
 
 
 def test_it_tells_the_line_at_which_a_function_hangs(owner: Owner) -> None:
@@ -150,12 +149,12 @@ def test_it_tells_the_line_at_which_a_function_hangs(owner: Owner) -> None:
     wait_for(lambda: owner.runner.where(wait_here) == f", line {line}", "it is at its line")
 
 
+@pytest.mark.parametrize("owner", [POLICY._replace(grace=0.35)], indirect=True)
 def test_a_function_that_was_left_is_ended_when_its_grace_is_over_and_one_that_returned_is_not(
     owner: Owner, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ends: list[float] = []
     monkeypatch.setattr(UserThread, "end", lambda _thread: ends.append(round(owner.clock.now(), 6)))
-    owner.runner._policy = POLICY._replace(grace=0.35)
     owner.run(owner.hang())
     owner.settle_hung()
     owner.runner.detach()
@@ -219,8 +218,8 @@ def test_an_interrupt_takes_no_lock_and_no_turn_follows_until_it_is_left_and_wok
     assert owner.outcomes == [Outcome(2, None)]
 
 
+@pytest.mark.parametrize("owner", [POLICY._replace(late=0.3, max_gap=0.2)], indirect=True)
 def test_a_gap_between_looks_counts_as_the_policy_says_and_the_rest_was_unseen(owner: Owner) -> None:
-    owner.runner._policy = POLICY._replace(late=0.3, max_gap=0.2)
     owner.run(owner.hang())
     owner.settle_hung()
     owner.clock.stand_still(100.0, hangs=(NAME,))

@@ -28,6 +28,7 @@ from robowidgets.runtime import output_file
 from robowidgets.screens import _to_html
 from robowidgets.widget.timed_frame import FRAME_HEADER, TimedFrame
 
+from ..pages import display, display_html
 from ..recordings import robot, sweeps
 
 
@@ -326,13 +327,13 @@ def test_a_written_page_is_a_path_that_a_notebook_shows_as_a_link_with_its_size(
     assert isinstance(page, Path)
     assert page == tmp_path / "a b.html"
     assert page.read_bytes()
-    shown = page._repr_html_()
+    shown = display_html(page)
     assert shown is not None
     assert 'href="a%20b.html"' in shown
     assert f"{page.stat().st_size / 1e3:.0f} kB" in shown
     assert "mail" not in shown
     with page.open("ab") as file:
         file.truncate(20_000_001)
-    assert "most mail refuses more than 20.0 MB" in page._repr_html_()
+    assert "most mail refuses more than 20.0 MB" in display_html(page)
     page.unlink()
-    assert page._repr_html_() is None
+    assert "text/html" not in display(page)

@@ -165,7 +165,9 @@ def test_a_simulated_program_gets_sonars_and_a_robot_without_says_so() -> None:
     list(simulate(lambda sonars: got.append(sonars), Robot(World.rooms(), model="pioneer"), 0.2, rate=10))
     assert [len(ranges) for ranges in got] == [16, 16]
     assert max(got[1].behind.values()) > 0, "they measure one after the other"
-    with pytest.raises(ValueError, match="asks for sonars, and the simulated robot has no sonars"):
+    with pytest.raises(
+        ValueError, match="asks for sonars, but the simulated robot has no sonars: remove the parameter"
+    ):
         list(simulate(lambda sonars: got.append(sonars), Robot(World.rooms()), 0.2))
 
 

@@ -12,11 +12,12 @@ import robowidgets
 from robowidgets import LaserWidget
 from robowidgets.widget.in_words import HOW_TO_DRAW
 
+from ..pages import display
+
 
 def text(shown: Any) -> str:
     """The text of an output that shows something."""
-    made = shown._repr_mimebundle_()
-    data = made[0] if isinstance(made, tuple) else made
+    data = display(shown)
     assert "application/vnd.jupyter.widget-view+json" in data
     return str(data["text/plain"])
 

@@ -12,6 +12,7 @@ from robowidgets.widget.pacer import pacer
 
 from ..clocks import ManualClock
 from ..pages import Page, from_page
+from ..senders import turn_of
 from ..waiting import wait_for
 from .number_widget import Number, NumberWidget, head_of, in_a_thread, number_in
 
@@ -191,7 +192,7 @@ class TestWidget:
     def test_others_wait_for_it_only_if_the_page_does_not_report_that_it_is_drawn(
         self, widget: LargeNumber, page: Page, cell: Cell, clock: ManualClock
     ) -> None:
-        with widget._send_lock:  # so that the pacer does not send it
+        with turn_of(pacer):  # so that it does not send it
             widget.update(1)
             assert widget.send_newest() == 0
             cell.runs = True
