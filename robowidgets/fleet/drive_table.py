@@ -54,7 +54,7 @@ class DriveTable:
         self.unread: tuple[Unread, ...] = ()
         """The recordings that were left out last time, with the reasons."""
         self.problems: dict[str, tuple[str, ...]] = {}
-        """The problems of recordings that were read last time, as in `Recording.problems`: rows may be missing."""
+        """The problems of recordings that were read last time, as in `Recording.losses`: rows may be missing."""
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write a Parquet file while the recordings are read, and return its path.
@@ -134,7 +134,7 @@ class _Table:
                 columns = recording.table(*self._names, at=self._at, how=self._how).to_numpy()
             except TypeError as error:  # the field has several values in this recording
                 return {"problem": str(error)}
-            return {"columns": columns, "problems": recording.problems}
+            return {"columns": columns, "problems": recording.losses}
 
 
 class _Sink:

@@ -163,6 +163,11 @@ class RecordingData(HasTable):
         """
         return tuple(str(problem._replace(remedy="")) for problem in self._with_remedies())
 
+    @property
+    def losses(self) -> tuple[str, ...]:
+        """The problems by which an answer may lack something: a topic without a widget is read as any other."""
+        return tuple(line for line in self.problems if line != NO_SENSOR)
+
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
     ) -> Iterator[Moment]:
