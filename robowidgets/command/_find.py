@@ -268,7 +268,7 @@ def find(arguments: argparse.Namespace, warn: Callable[[str], None]) -> tuple[st
             raise CommandError(f"{error.there}: name the topic, as in {option} {error.topics[0]}") from None
         finally:
             # Also after an error, because damage of the recording may have caused it.
-            for line in recording.problems:
+            for line in recording.losses:
                 warn(f"! {line}")
     code = (FOUND if spans else NONE) if spans.is_complete else INTERRUPTED
     if arguments.json:

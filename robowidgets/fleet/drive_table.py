@@ -18,7 +18,7 @@ from ..repair import RecordingError
 from ..runtime.output_file import checked_output, whole_file
 from ..runtime.text import many
 from ._engine import LONGEST
-from ._fleet_table import Unread, not_read
+from ._fleet_table import Unread, not_read, with_problems
 from ._gather import gather
 from .places import places_in_index
 
@@ -53,6 +53,8 @@ class DriveTable:
         self._executor, self._longest = executor, longest
         self.unread: tuple[Unread, ...] = ()
         """The recordings that were left out last time, with the reasons."""
+        self.problems: dict[str, tuple[str, ...]] = {}
+        """The problems of recordings that were read last time, as in `Recording.losses`: rows may be missing."""
 
     def to_parquet(self, path: str | os.PathLike[str]) -> Path:
         """Write a Parquet file while the recordings are read, and return its path.
@@ -107,7 +109,7 @@ class DriveTable:
             executor=self._executor,
             longest=self._longest,
         )
-        self.unread = tuple(gathered.rows["unread"])
+        self.unread, self.problems = tuple(gathered.rows["unread"]), sink.problems
         if gathered.rows["until"] is not None:
             raise KeyboardInterrupt
         if sink.schema is None:
@@ -116,11 +118,12 @@ class DriveTable:
 
     def __repr__(self) -> str:
         lines = [f"{type(self).__name__} of {', '.join(self.names)} in {many(len(self.files), 'recording')}"]
-        return "\n".join([*lines, *(f"! {line}" for line in not_read(self.unread))])
+        complaints = (*not_read(self.unread), *with_problems(self.problems))
+        return "\n".join([*lines, *(f"! {line}" for line in complaints)])
 
 
 class _Table:
-    """A function that returns the columns of one recording."""
+    """A function that returns the columns of one recording, and its problems."""
 
     def __init__(self, names: tuple[str, ...], at: str | float | None, how: str) -> None:
         self._names, self._at, self._how = names, at, how
@@ -128,9 +131,10 @@ class _Table:
     def __call__(self, path: str) -> dict[str, Any]:
         with open_recording(path) as recording, without_bars():
             try:
-                return recording.table(*self._names, at=self._at, how=self._how).to_numpy()
+                columns = recording.table(*self._names, at=self._at, how=self._how).to_numpy()
             except TypeError as error:  # the field has several values in this recording
                 return {"problem": str(error)}
+            return {"columns": columns, "problems": recording.losses}
 
 
 class _Sink:
@@ -147,14 +151,17 @@ class _Sink:
         self._put = put
         self.schema: Any = None
         """The schema of the first recording, which the others follow."""
+        self.problems: dict[str, tuple[str, ...]] = {}
+        """The problems of each recording that has some."""
 
     def get(self, state: str) -> Any:  # noqa: ARG002
         return None
 
-    def add(self, path: str, state: str | None, result: Mapping[str, NDArray[Any]]) -> Any:  # noqa: ARG002
+    def add(self, path: str, state: str | None, result: Mapping[str, Any]) -> Any:  # noqa: ARG002
         arrow = self._arrow
-        file = arrow.array([path] * len(result["times_ns"]), arrow.string())
-        table = arrow.table({"file": file, **{name: self._array(column) for name, column in result.items()}})
+        columns = result["columns"]
+        file = arrow.array([path] * len(columns["times_ns"]), arrow.string())
+        table = arrow.table({"file": file, **{name: self._array(column) for name, column in columns.items()}})
         if self.schema is None:
             self.schema = table.schema
         try:
@@ -163,6 +170,8 @@ class _Sink:
             own = ", ".join(f"{one.name} ({one.type})" for one in table.schema if one not in self.schema)
             return {"problem": f"its columns differ from the columns of the other recordings: {own or 'fewer'}"}
         self._put(rows)
+        if result["problems"]:
+            self.problems[path] = result["problems"]
         return {}
 
     def _array(self, column: NDArray[Any]) -> Any:

@@ -31,7 +31,7 @@ class Hits(FleetTable, Sequence[Hit]):
         condition: the condition, or only its text: then pictures light only the nearest ray.
         hits: the results, by recording and time.
         chosen: the topics of each recording that were chosen among several of a kind.
-        problems: the problems of each recording, as in `Recording.problems`: spans may be missing.
+        problems: the problems of each recording, as in `Recording.losses`: spans may be missing.
         told: a line on the way of the search.
         **rows: as for `FleetTable`.
     """

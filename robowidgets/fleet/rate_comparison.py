@@ -112,7 +112,7 @@ class RateComparison(FleetTable):
         )
         self.condition = condition
         self.problems = {**both[0].problems, **both[1].problems}
-        """The problems of recordings that were searched, as in `Recording.problems`: spans may be missing."""
+        """The problems of recordings that were searched, as in `Recording.losses`: spans may be missing."""
         self._in_both = len({*both[0].files} & {*both[1].files})
         self._sets = before, after
         self.before, self.after = both

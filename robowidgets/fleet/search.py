@@ -133,7 +133,7 @@ class _Search:
                 spans = recording.find(self._wanted, looked_at(recording, self._topics) or None)
             except UnknownTopicError as error:
                 return {"problem": str(error)}
-            problems = recording.problems
+            problems = recording.losses
         return {
             "spans": [list(span) for span in spans],
             "topic": ", ".join(spans.topics),

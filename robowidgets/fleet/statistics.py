@@ -39,7 +39,7 @@ class Statistics(FleetTable):
         numbers: the values of the columns, by group and field.
         quantiles: the quantiles, from 0 to 1.
         is_exact: True if all quantiles are exact.
-        problems: the problems of each recording, as in `Recording.problems`: values may be missing.
+        problems: the problems of each recording, as in `Recording.losses`: values may be missing.
         **rows: as for `FleetTable`.
     """
 
@@ -223,7 +223,7 @@ class _Job:
                     continue
                 tally.drives = int(tally.count > 0)
                 tallies[name] = tally
-            problems = recording.problems
+            problems = recording.losses
         if not tallies:
             return {"problem": lacking[0]}
         day = start and f"{start:%Y-%m-%d}"

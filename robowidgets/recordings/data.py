@@ -163,6 +163,11 @@ class RecordingData(HasTable):
         """
         return tuple(str(problem._replace(remedy="")) for problem in self._with_remedies())
 
+    @property
+    def losses(self) -> tuple[str, ...]:
+        """The problems by which an answer may lack something: a topic without a widget is read as any other."""
+        return tuple(line for line in self.problems if line != NO_SENSOR)
+
     def samples(
         self, topics: str | Iterable[str] | None = None, start: float | None = None, end: float | None = None
     ) -> Iterator[Moment]:
@@ -556,10 +561,11 @@ class RecordingData(HasTable):
     def labels(self) -> tuple[Label, ...]:
         """The named spans, set with `label` or on a contact sheet: label, start and end in seconds."""
         file = LabelFile(self.path.parent)
+        found = file.of(self.path, self._source)
         self._label_problems = [
             Problem(line, "the other labels are read; correct the line, or delete it") for line in file.problems
         ]
-        return tuple(with_clock(one, self.start_ns or 0) for one in file.of(self.path, self._source))
+        return tuple(with_clock(one, self.start_ns or 0) for one in found)
 
     def label(self, name: str, start: float, end: float) -> Label:
         """Give a span a name. It is stored in ``labels.jsonl`` next to the recording, one line of JSON for each.

@@ -95,7 +95,7 @@ class LabelFile:
 
     @property
     def problems(self) -> list[str]:
-        """Lines on damaged lines, and on labels of recordings that are gone."""
+        """Lines on damaged lines, and on labels of recordings that are gone; after `of`, of replaced ones, too."""
         return [*self._damaged, *self._gone()]
 
     def of(self, path: Path, source: Source | None = None) -> list[LabelledSpan]:
@@ -170,17 +170,23 @@ class LabelFile:
             if not line.is_removed:
                 labels[key] = line
         is_there = {file: (self._folder / file).exists() for file in {line.file for line in labels.values()}}
-        sizes = set() if all(is_there.values()) else {_size_of(path) for path in self._folder.iterdir()}
-        gone = Counter(
-            line.file
+        missing = [
+            (f"an earlier {line.file}" if is_there[line.file] else line.file, line)
             for line in labels.values()
-            if not is_there[line.file] and not (line.content and line.size in sizes)
-        )
-        return [
-            f"labels: {self.path.name} has {many(count, 'label')} of {file}, which is gone: give it its name back, or "
-            "remove the lines"
-            for file, count in gone.items()
+            if not is_there[line.file] or self._is_replaced(line)
         ]
+        sizes = {_size_of(path) for path in self._folder.iterdir()} if missing else set()
+        gone = Counter(name for name, line in missing if not (line.content and line.size in sizes))
+        return [
+            f"labels: {self.path.name} has {many(count, 'label')} of {name}, which is gone: give it its name back, or "
+            "remove the lines"
+            for name, count in gone.items()
+        ]
+
+    def _is_replaced(self, line: _Line) -> bool:
+        """Return True if `of` has found that another recording has the name."""
+        content = self._contents.get(self._folder / line.file, "")
+        return bool(line.content and content) and content != line.content
 
     def _write(self, path: Path, source: Source, label: LabelledSpan, more: Mapping[str, Any] | None = None) -> None:
         content = self._content(path, source)

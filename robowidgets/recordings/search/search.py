@@ -33,7 +33,7 @@ def find(recording: RecordingData, given: Any, topics: str | Iterable[str] | Non
         str(wanted),
         search.found(result),
         (search.end_ns - start_ns) / 1e9 if search.is_cut else None,
-        recording.problems,
+        recording.losses,
         dict.fromkeys(wanted.looked_at(search)),
     )
     found.known = known_ns(result, search.end_ns) / 1e9

@@ -26,7 +26,7 @@ class Spans(HasTable, Sequence[Span]):
         condition: the text of the condition.
         spans: the spans in the order of time.
         until: seconds up to which the recording was searched, if the search was interrupted, or None for all of it.
-        problems: the problems of the recording, as in `Recording.problems`: spans may be missing.
+        problems: the problems of the recording, as in `Recording.losses`: spans may be missing.
         topics: the topics that were read.
 
     Attributes:

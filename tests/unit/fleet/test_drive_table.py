@@ -93,6 +93,18 @@ def test_an_interrupt_leaves_no_file_and_an_existing_one_as_it_was(
     assert sorted(path.suffix for path in tmp_path.iterdir()) == ["", ".parquet", ".parquet"]
 
 
+def test_a_recording_that_was_read_in_part_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "drive.mcap"
+    path.write_bytes(robowidgets.SAMPLE.read_bytes()[:400_000])
+    table = index(path, output=tmp_path / "drives.parquet").table("/scan.front")
+    rows = table.to_arrow()
+    with robowidgets.open(path) as recording:
+        assert len(rows) == len(recording.scans())
+        assert table.problems == {str(path): recording.problems}
+    assert "cut off" in table.problems[str(path)][0]
+    assert "! 1 file with problems, in .problems: drive.mcap" in repr(table)
+
+
 def test_wrong_requests_are_refused_before_anything_is_read(drives: Drives, tmp_path: Path) -> None:
     for names, options, error in (
         ((), {}, TypeError),

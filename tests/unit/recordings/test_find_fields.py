@@ -70,6 +70,25 @@ def test_a_field_of_any_topic_compares_to_a_number_a_flag_or_a_text(
     assert found(recording, condition) == spans
 
 
+def test_a_topic_without_a_widget_is_no_problem_of_its_answers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows: list[tuple[float, str, Any]] = [(float(i), "/count", {"data": i}) for i in range(4)]
+    path = recorded.write(tmp_path / "x", {"/count": "std_msgs/msg/Int64"}, rows)
+    above = field("/count.data") > 1
+    with robowidgets.open(path) as recording:
+        assert recording.problems == ("none of its topics has a widget for its kind of sensor",)
+        assert recording.find(above).problems == ()
+    assert main(["find", str(path), "--field", "/count.data > 1"]) == 0
+    assert "widget" not in capsys.readouterr().err
+    assert robowidgets.find(above, path).problems == {}
+    drives = robowidgets.index(path, output=tmp_path / "drives.parquet")
+    assert drives.statistics("/count.data").problems == {}
+    table = drives.table("/count.data")
+    assert len(table.to_arrow()) == 4
+    assert table.problems == {}
+
+
 def test_they_are_joined_as_others_are(recording: robowidgets.Recording) -> None:
     both = (field(X) > 3) & (field("/status.new.data") == "docked")
     assert found(recording, both) == [(4, 5)]

@@ -56,6 +56,12 @@ def test_each_condition_over_time_chooses_spans(drive: Recording) -> None:
     assert found(drive, A.within(10, after=B)) == ALL[1:4]
 
 
+def test_a_moment_counts_for_exactly_as_long_as_it_is_said(drive: Recording) -> None:
+    of_a, of_b = conditions.event("/a"), conditions.event("/b")
+    assert found(drive, of_b)[-1] == (3, 3)
+    assert found(drive, of_a.within(3, after=of_b)) == [(3, 3), (6, 6)], "6 s is at most 3 s after 3 s"
+
+
 def test_they_join_with_others_and_their_opposites(drive: Recording) -> None:
     assert found(drive, A.for_longer(2) & ~A.first_of_drive()) == ALL[1:2]
     assert found(drive, B | A.for_longer(2)) == [(2.5, 6)]

@@ -214,6 +214,9 @@ def test_another_recording_under_the_old_name_does_not_get_the_labels(labelled: 
     copy(other, labelled)
     assert (labels_of(labelled), labels_of(renamed)) == ([], [DOOR])
     assert complaints(labelled) == complaints(renamed) == []
+    renamed.unlink()
+    (line,) = complaints(labelled)
+    assert line.startswith("labels: labels.jsonl has 1 label of an earlier drive.mcap, which is gone")
 
 
 def test_a_recording_that_was_still_growing_keeps_its_labels(tmp_path: Path) -> None:
