@@ -24,7 +24,7 @@ SAMPLE = ROOT / "robowidgets" / "data" / "sample.mcap"
 PICTURE = "card => [...card.querySelectorAll('canvas')].map((canvas) => canvas.toDataURL()).join()"
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/lab/tree/\S+\?token=\w+")
 
-PATIENCE_MS = 120_000
+PATIENCE_MS = 300_000
 """A kernel and all of JupyterLab start: no page of the other tests is used again here."""
 
 

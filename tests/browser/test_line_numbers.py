@@ -14,15 +14,18 @@ from .notebook import Notebook
 OPEN = """
 from robowidgets import LinesWidget, feeds
 from robowidgets.behaviors import Drive
-robot = feeds.simulator(wander=False, hz=20)
+from robowidgets.simulator import World
+# So small that the last ten seconds of a drive always contain both branches, and distances from 0.6 to 1.2 m.
+small = World.from_text("######\\n#....#\\n#.>..#\\n#....#\\n######")
+robot = feeds.simulator(room=small, wander=False, hz=20)
 lines = LinesWidget(robot)
 lines
 """
 AVOID = """@robot.program(rate=20)
 def avoid(scan):
-    front, left, right = scan.distance("front"), scan.distance("left"), scan.distance("right")
+    front = scan.distance("front")
     if front < 0.6:  # too near
-        return Drive(0, 0.8 if left > right else -0.8)
+        return Drive(0, 0.8)  # always to one side, so that it leaves every corner
     return Drive(0.2)
 """
 
