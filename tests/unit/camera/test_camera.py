@@ -249,6 +249,24 @@ def test_a_message_with_a_depth_image_is_a_scan_of_its_time() -> None:
     np.testing.assert_allclose(scan.ranges, depth_scan(millimetres, info()).ranges, rtol=1e-6)
 
 
+def test_nothing_in_range_is_the_same_in_a_message_as_in_an_array() -> None:
+    metres = np.full((480, 640), inf, np.float32)
+    metres[:, :100] = nan
+    metres[:, 600:] = 3.0
+    fields = {"height": 480, "width": 640, "encoding": "32FC1", "step": 2560, "is_bigendian": 0}
+    scan = depth_scan({"header": {"frame_id": "c"}, **fields, "data": metres.tobytes()}, info())
+    np.testing.assert_array_equal(scan.ranges, depth_scan(metres, info()).ranges)
+    assert np.isposinf(scan.at(0.0).range)  # type: ignore[union-attr]
+    assert scan.distance("front") == scan[int(np.nanargmin(scan.ranges))].range < inf
+
+
+@pytest.mark.parametrize("kind", [np.uint16, np.float32])
+def test_a_depth_of_zero_is_no_reading_even_without_a_least_range(kind: type) -> None:
+    depth = np.zeros((480, 640), kind)
+    scan = depth_scan(depth, info(), range_min=0.0)
+    assert np.isnan(scan.ranges).all()
+
+
 @pytest.mark.parametrize(
     ("depth", "rows", "error"),
     [
