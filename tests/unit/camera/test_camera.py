@@ -432,12 +432,18 @@ def test_cones_end_where_something_is_or_say_that_there_is_nothing() -> None:
         "front": (Range(1.5, 0.1, 4.0, field_of_view=0.4), at),
         "far": (Range(inf, 0.1, 4.0), at),
         "dead": (Range(nan, 0.1, 4.0), at),
+        "near": (Range(-inf, 1.0, 4.0), at),
+        "nearer": (Range(0.2, 1.0, 4.0), at),
     }
     drawn = cones(CameraModel(info()), ranges, radians(15))
     assert [(one.kind, one.name, one.words, one.dashed) for one in drawn] == [
         ("cone", "front", "1.50 m", False),
         ("arc", "front", "", False),
         ("cone", "far", "nothing", True),
+        ("cone", "near", "too close", False),
+        ("arc", "near", "", False),
+        ("cone", "nearer", "too close", False),
+        ("arc", "nearer", "", False),
     ]
     # The arc is as wide as the beam, 1.5 m from the sensor.
     (arc,) = drawn[1].pieces
