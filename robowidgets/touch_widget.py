@@ -61,6 +61,7 @@ class TouchWidget(RobotWidget[Touch]):
     _meant: ClassVar = {"touched": "states"}
 
     sample_name = "touch"
+    frame_traits = ("hold", "timeout")
     goes_stale = False
     beats = True
     packs_now = True

@@ -65,6 +65,9 @@ def depth_scan(
     if isinstance(depth, Image) or has(depth, "encoding", "data"):
         picture = to_image(depth)
         depth, stamp_ns = picture.depth, stamp_ns or picture.stamp_ns
+        if picture.pixels.dtype.kind == "f":
+            # `Image.depth` has NaN for everything that was not measured.
+            depth = np.where(np.isposinf(picture.pixels), np.float32(np.inf), depth)
     image = np.asarray(depth)
     if image.dtype.kind not in "uif":
         raise TypeError(f"depth: expected metres as floats, or millimetres as whole numbers, got {image.dtype}")
@@ -80,8 +83,10 @@ def depth_scan(
     # In float32, as in the C++ code of the node.
     column = np.arange(width, dtype=np.float32) - np.float32(model.middle[0])
     aside = column * np.float32(1.0 / model.focus[0])
-    lengths = np.hypot(ahead * aside, ahead).astype(np.float32)
-    is_seen = (np.float32(range_min) <= lengths) & (lengths <= np.float32(range_max)) & np.isfinite(lengths)
+    with np.errstate(invalid="ignore"):  # infinity on the axis
+        lengths = np.hypot(ahead * aside, ahead).astype(np.float32)
+    is_seen = (np.float32(range_min) <= lengths) & (lengths <= np.float32(range_max))
+    is_seen &= np.isfinite(lengths) & (lengths > 0)
     lengths = np.where(is_seen, lengths, np.float32(np.inf))
     row = lengths.argmin(axis=0)
     nearest = lengths[row, np.arange(width)]

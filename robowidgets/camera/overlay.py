@@ -157,7 +157,7 @@ class ScanOnPicture:
 
 
 def cones(model: CameraModel, ranges: Mapping[str, tuple[Range, Poses]], beam: float) -> list[Seen]:
-    """Return the cones of sonars up to their readings, with an arc at the reading.
+    """Return the cones of sonars up to their readings, with an arc at the reading, or at min_range if it is too close.
 
     Args:
         model: the model of the camera.
@@ -167,17 +167,18 @@ def cones(model: CameraModel, ranges: Mapping[str, tuple[Range, Poses]], beam: f
     outlines, drawn = Outlines(model), []
     for name, (one, at) in ranges.items():
         seen = one.validity is Validity.READING
-        reach = one.range if seen else one.max_range
-        if one.validity not in (Validity.READING, Validity.NOTHING_IN_RANGE) or not isfinite(reach):
+        met = seen or one.distance == 0
+        reach = one.range if seen else one.min_range if met else one.max_range
+        if not (met or one.validity is Validity.NOTHING_IN_RANGE) or not isfinite(reach):
             continue
         half = (one.field_of_view or (min(THIN, beam) if one.radiation == "infrared" else beam)) / 2
         arc = _arc(min(reach, FARTHEST), -half, half)
         rim = at.moved(_flat(arc))
         cone = outlines.surface(np.vstack([at.positions, rim]))
-        words = f"{one.range:.2f} m" if seen else "nothing"
+        words = f"{one.range:.2f} m" if seen else "too close" if met else "nothing"
         if len(cone):
-            drawn.append(Seen("cone", name, [cone], words, dashed=not seen))
-            if seen:
+            drawn.append(Seen("cone", name, [cone], words, dashed=not met))
+            if met:
                 drawn.append(Seen("arc", name, outlines.line(rim)))
     return drawn
 

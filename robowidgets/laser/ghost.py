@@ -47,6 +47,8 @@ class HasGhost(RobotWidget[Scan]):
     def ghost(self, value: Any) -> None:
         frame, ago, other = b"", 0, None
         if isinstance(value, Scan):
+            # The newest one already has the mount of this widget.
+            value = value if value is self._newest.sample else self.mounted(value)
             frame = self._frame_to_keep(value)
         elif isinstance(value, HasGhost):
             if value is self:
@@ -76,6 +78,10 @@ class HasGhost(RobotWidget[Scan]):
 
     def _unpack(self, frame: bytes, about: Mapping[str, Any] | None = None) -> Scan:
         """See `RobotWidget`; with the texts on the sample, by default the texts on the frozen one."""
+        raise NotImplementedError
+
+    def mounted(self, scan: Scan) -> Scan:
+        """See `HasMount`."""
         raise NotImplementedError
 
     def _frame_to_keep(self, scan: Scan) -> bytes:

@@ -12,7 +12,7 @@ import traitlets
 from ..messages import to_pose
 from ..messages.fields import get, stamp_ns, unwrap
 from ..poses.live_frames import Frames, LiveFrames, held_between, notes_on
-from ..poses.mounts import ODOM
+from ..poses.mounts import ODOM, ROBOT
 from ..poses.recent import RecentPoses
 from ..poses.transforms import transforms_in
 from ..samples import Pose, Scan, yaw_of
@@ -94,13 +94,17 @@ class HasTrail(HasMount):
 
 
 def scanner_in(frames: Frames, scan: Scan, time_ns: int) -> dict[str, Any]:
-    """Return the texts for the page on a scan, with its pose from tf in the odometry frame, else in the root frame."""
+    """Return the texts for the page on a scan, with its pose from tf in the odometry frame, else in the root frame.
+
+    They are empty if tf does not contain the motion of the robot.
+    """
     frame = scan.frame_id.lstrip("/")
     chain = frames.chain(frame)
     world = next((name for name in chain if name == ODOM), chain[-1])
-    if world == frame:
-        return {}
+    if world == frame or world.rpartition("/")[2] in ROBOT:
+        return {}  # no frame in which the robot moves
     at = frames.poses(frame, world, np.array([time_ns], np.int64), np.array([scan.stamp_ns or 0], np.int64))
     (x, y, _), yaw = at.positions[0], yaw_of(*at.orientations[0]) - (scan.mount.yaw if scan.mount else 0.0)
     notes = notes_on([held_between(frames, frame, world, time_ns, scan.stamp_ns)])
-    return {"pose": [round(float(value), 5) for value in (x, y, yaw)], **({"notes": notes} if notes else {})}
+    pose = [round(float(value), 5) for value in (x, y, yaw)]
+    return {"pose": pose, "placed_by": "tf", **({"notes": notes} if notes else {})}

@@ -79,17 +79,21 @@ def to_map_item(message: Any) -> MapItem:
 
 
 def _cone(one: Range) -> MapItem:
-    """Return the cone of a sonar up to its reading, or up to its max_range; without points if that is unknown."""
+    """Return the cone of a sonar up to its reading, to its min_range if something is too close, or to its max_range.
+
+    It has no points if the distance is unknown.
+    """
     is_reading = one.validity is Validity.READING
-    reach = one.range if is_reading else one.max_range
+    is_met = is_reading or one.distance == 0
+    reach = one.range if is_reading else one.min_range if is_met else one.max_range
     points = np.empty((0, 2))
-    if isfinite(reach) and (is_reading or one.validity is Validity.NOTHING_IN_RANGE):
+    if isfinite(reach) and (is_met or one.validity is Validity.NOTHING_IN_RANGE):
         beam = one.field_of_view or (_THIN if one.radiation == "infrared" else _BEAM)
         angles = np.linspace(-beam / 2, beam / 2, max(2, int(beam / _TURN) + 1))
         arc = reach * np.column_stack([np.cos(angles), np.sin(angles)])
         points = np.vstack([np.zeros((1, 2)), arc])
     return MapItem(
-        "cone", _clean(one.frame_id), one.stamp_ns, Pose(0.0, 0.0, 0.0) if is_reading else NOWHERE, points=points
+        "cone", _clean(one.frame_id), one.stamp_ns, Pose(0.0, 0.0, 0.0) if is_met else NOWHERE, points=points
     )
 
 

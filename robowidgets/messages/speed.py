@@ -30,8 +30,8 @@ def to_speed(message: Any) -> Speed:
         twist = get(twist, "twist")
     drive = get(message, "drive", message)
     if not has(twist, "linear", "angular") and has(drive, "speed", "steering_angle"):
-        linear = (get(drive, "speed"), nan, nan)
-        return Speed(linear, (nan,) * 3, stamp_ns(message), frame_id(message), steering=get(drive, "steering_angle"))
+        speed, steering = (_number(get(drive, name)) for name in ("speed", "steering_angle"))
+        return Speed((speed, nan, nan), (nan,) * 3, stamp_ns(message), frame_id(message), steering=steering)
     if not has(twist, "linear", "angular"):
         raise TypeError(
             "expected a message like geometry_msgs/Twist, TwistStamped, TwistWithCovariance or nav_msgs/Odometry, "
@@ -45,5 +45,10 @@ def to_speed(message: Any) -> Speed:
 def _vector(name: str, value: Any) -> tuple[float, float, float]:
     if not has(value, "x", "y", "z"):
         raise TypeError(f"{name}: expected a vector with x, y and z, got {describe(value)}")
-    x, y, z = (get(value, axis) for axis in "xyz")
-    return (nan if x is None else x, nan if y is None else y, nan if z is None else z)
+    x, y, z = (_number(get(value, axis)) for axis in "xyz")
+    return x, y, z
+
+
+def _number(value: Any) -> Any:
+    """Return a number as it is, and null, which JSON has for NaN, as NaN."""
+    return nan if value is None else value

@@ -25,7 +25,7 @@ LONGEST_TEXT = 60
 
 
 class Shape:
-    """A shape in the frame of the scanner: x forward and y to the left in metres, angles counter-clockwise (REP-103).
+    """A shape around the scanner: x forward and y to the left in metres, angles counter-clockwise (REP-103).
 
     Shapes are immutable, and equal if they look the same.
     """
@@ -153,7 +153,7 @@ class Arrow(Shape):
 
     Args:
         place: as `Line` takes it.
-        yaw: direction, radians or text like "20deg", counter-clockwise from the scanner's forward.
+        yaw: direction, radians or text like "20deg", counter-clockwise from forward.
 
     Examples:
         >>> target = Arrow((2.0, 0.5), "30deg")

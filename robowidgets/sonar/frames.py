@@ -28,7 +28,7 @@ class SonarFrames(SampleFrames):
         widget.be_silent_after({sensor: seconds for sensor, seconds in silences.items() if seconds})
         if not widget.poses:
             mounts = mounts_of(_static_transforms(recording))
-            frames = {sensor: moments[0].sample.frame_id for sensor, moments in first.items() if moments}
+            frames = {sensor: moments[0].sample.frame_id.lstrip("/") for sensor, moments in first.items() if moments}
             widget.poses = {sensor: mounts[frame] for sensor, frame in frames.items() if frame in mounts}
 
 

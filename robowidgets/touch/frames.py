@@ -27,12 +27,12 @@ class TouchFrames:
     def __init__(self, recording: RecordingData, choice: WidgetChoice, widget: TouchWidget) -> None:
         self._recording, self._topic, self._widget = recording, choice.topic, widget
         self._start_ns = recording.start_ns or 0
-        self._history = TouchHistory(recording, choice.topic)
+        self._known: tuple[tuple[float, float | None], TouchHistory] | None = None
 
     def frames(self, start: float, end: float) -> Iterator[TimedFrame]:
         """See `Track`."""
         moments: list[Moment | None] = [*self._recording.samples(self._topic, start, end), None]
-        tracker = self._history.at(self._time_ns(start) - 1)
+        tracker = self._history().at(self._time_ns(start) - 1)
         seconds, end = start, max(end, start + _LEAST)  # so that the span has a frame
         unchanged: dict[str, Any] = {NEW: []}
         came = unchanged
@@ -54,7 +54,14 @@ class TouchFrames:
     def seek(self, seconds: float) -> None:
         """See `Track`."""
         time_ns = self._time_ns(seconds)
-        self._widget.show(self._history.at(time_ns), time_ns)
+        self._widget.show(self._history().at(time_ns), time_ns)
+
+    def _history(self) -> TouchHistory:
+        """Return the touches with the hold and the timeout of the widget, which may have changed."""
+        known, times = self._known, (self._widget.hold, self._widget.timeout)
+        if known is None or known[0] != times:
+            known = self._known = times, TouchHistory(self._recording, self._topic, *times)
+        return known[1]
 
     def _time_ns(self, seconds: float) -> int:
         return self._start_ns + round(seconds * 1e9)

@@ -19,15 +19,16 @@ class TouchHistory:
     Args:
         recording: the recording.
         topic: a topic of touches in the recording.
+        hold, timeout: seconds, as of `TouchTracker`.
     """
 
-    def __init__(self, recording: RecordingData, topic: str) -> None:
+    def __init__(self, recording: RecordingData, topic: str, hold: float, timeout: float | None) -> None:
         self._recording = recording
         self._topic = topic
         self._start_ns = recording.start_ns or 0
         # The tracker's state just before each of these times. `_here` caches the end of the last query.
         self._times = [self._start_ns]
-        self._trackers = [TouchTracker()]
+        self._trackers = [TouchTracker(hold, timeout)]
         first = next(recording.samples(topic), None)
         if first and isinstance(first.sample, Touch) and first.sample.mode is not TouchMode.PRESENCE:
             # Lists all sensors of the topic before their first messages.

@@ -48,6 +48,12 @@ test("the pop-up of a reading has distance, angle, x and y", () => {
   assert.equal(describeRay(scanOf([2], { angleMin: -90 * DEGREE }), 0).details, `x\u00A00.00  y\u00A0${MINUS}2.00`);
 });
 
+test("x and y are in the frame of the angle on show", () => {
+  const own = (angle: number) => 90 * DEGREE - angle;
+  const { angle, details, side } = describeRay(scanOf([2], { angleMin: 120 * DEGREE }), 0, 1, "deg", "", own);
+  assert.deepEqual([angle, details, side], [`${MINUS}30.0°`, `x\u00A01.73  y\u00A0${MINUS}1.00`, "left"]);
+});
+
 test("a reading in a picture of millimetres has their decimals", () => {
   const near = { ...scanOf([0.003], { angleMin: 0 }), minRange: 0, kinds: [0] };
   const { distance, details } = describeRay(near as never, 0, 0.004);

@@ -39,6 +39,22 @@ test("an arc runs counter-clockwise from its first angle to its second, across t
   assert.ok(isCircle(shape("arc", { start: 0, end: 2 * Math.PI })) && !isCircle(shape("arc", { start: 0, end: 3 })));
 });
 
+test("places and directions of shapes are in the frame of the angle on show", () => {
+  const told = (kind: Shape["kind"], places: Metres[], toShown: (angle: number) => number, more: Partial<Shape> = {}) =>
+    describeShape(shape(kind, more), places, 10, "deg", toShown);
+  const turned = (angle: number) => angle - 90 * DEGREE;
+  const upsideDown = (angle: number) => 270 * DEGREE - angle;
+  const [place, yaw]: [Metres[], number] = [[[2, 0.5]], 30 * DEGREE];
+  assert.equal(told("arrow", place, turned, { yaw }), "x\u00A00.50 y\u00A0\u22122.00 \u00B7 \u221260.0°");
+  assert.equal(told("arrow", place, upsideDown, { yaw }), "x\u00A0\u22120.50 y\u00A0\u22122.00 \u00B7 \u2212120.0°");
+  const line: Metres[] = [
+    [1, 0],
+    [2, 1],
+  ];
+  assert.ok(told("line", line, turned).endsWith(" \u221245.0°"));
+  assert.ok(told("line", line, upsideDown).endsWith(" 45.0°"));
+});
+
 test("the numbers of a shape stand below its name", () => {
   const told = (kind: Shape["kind"], places: Metres[], more: Partial<Shape> = {}) =>
     describeShape(shape(kind, more), places, 10);

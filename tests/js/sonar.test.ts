@@ -234,23 +234,33 @@ test("a laser shows the beams whose place is known, at their places for its scan
     ["ir", "infrared", ""],
     ["lost", "ultrasound", ""],
     ["silent", "ultrasound", ""],
+    ["near", "ultrasound", ""],
+    ["nearer", "ultrasound", ""],
   ];
   const sonars = [
     sonarOf(2, { pose: [0.3, 0.1, 0] }),
     sonarOf(Infinity, { pose: [0.2, 0, Math.PI / 2], fieldOfView: 0 }),
     sonarOf(1),
     sonarOf(1, { pose: [0, 0, 0], behind: 20 }),
+    sonarOf(-Infinity, { pose: [0, 0, 0], minRange: 0.3 }),
+    sonarOf(0.1, { pose: [0, 0, 0], minRange: 0.3 }),
   ];
   // The scanner stands 0.2 m ahead of the middle of the robot, and looks to its left.
   const scanner: [number, number, number] = [0.2, 0, Math.PI / 2];
   const ring = { sequence: 1, rate: 10, stamp: 0, arrived: 0, sonars };
   const beams = toBeams(ring as unknown as Ring, { sensors: names }, {}, 0.26, scanner);
   assert.deepEqual(
-    beams.map(({ name, isReading }) => [name, isReading]),
+    beams.map(({ name, isReading, isTooClose }) => [name, isReading, isTooClose]),
     [
-      ["front", true],
-      ["ir", false],
+      ["front", true, false],
+      ["ir", false, false],
+      ["near", false, true],
+      ["nearer", false, true],
     ],
+  );
+  assert.deepEqual(
+    beams.slice(2).map(({ reach }) => reach),
+    [0.3, 0.3],
   );
   const [front, ir] = beams as [Beam, Beam];
   assert.ok(Math.hypot(front.x - 0.1, front.y + 0.1) < 1e-9);

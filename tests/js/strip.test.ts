@@ -1,15 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { pick } from "../../robowidgets/js/laser/pick.ts";
 import {
   fromStrip,
   indexTicks,
   metreTicks,
   placeOf,
   plotBox,
+  toPicture,
   toX,
   toY,
 } from "../../robowidgets/js/laser/strip_axis.ts";
-import { DEGREE } from "./laser.ts";
+import { BOXES, DEGREE, layOut, SWEEPS, scanOf } from "./laser.ts";
 
 const axes = (width: number, count: number, viewRange = 3.5) => ({
   box: plotBox(width, width < 460 ? 90 : 150),
@@ -29,6 +31,24 @@ test("a ray and a distance are found at their drawn places", () => {
   const strip = axes(700, 100);
   assert.deepEqual(fromStrip(strip, -50, -50), { index: 0, metres: 3.5 });
   assert.deepEqual(fromStrip(strip, 5000, 5000), { index: 99, metres: 0 });
+});
+
+test("a point of the index view names the ray at its index, whatever lies close to it in the picture", () => {
+  for (const [name, sweep] of Object.entries(SWEEPS)) {
+    // Readings near the scanner cover each other in the picture of a far view.
+    const scan = scanOf(
+      Array.from({ length: sweep.count }, (_, i) => 1 + (i % 7) / 3),
+      sweep,
+    );
+    const { projection } = layOut(sweep, BOXES[2], 30);
+    const strip = axes(700, sweep.count, projection.viewRange);
+    for (let i = 0; i < sweep.count; i++) {
+      for (const metres of [0, scan.ranges[i] as number, 2.5, 29]) {
+        const place = toPicture(strip, scan, projection, { x: toX(strip, i), y: toY(strip, metres) });
+        assert.equal(pick(projection, scan, place), i, `${name}: ray ${i} at ${metres} m`);
+      }
+    }
+  }
 });
 
 test("indices on the axis are round, begin with [0], end with the last, and keep apart", () => {

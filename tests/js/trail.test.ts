@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { spreadAt, spreadOf } from "../../robowidgets/js/laser/spread.ts";
-import { placeScans } from "../../robowidgets/js/laser/trail_layer.ts";
+import { placedWords, placeScans } from "../../robowidgets/js/laser/trail_layer.ts";
 import { decodeScan } from "../../robowidgets/js/shared/frames/scan.ts";
 import { Stream } from "../../robowidgets/js/shared/stream.ts";
 import { near, scanOf } from "./laser.ts";
@@ -24,6 +24,13 @@ test("scans with another number of rays do not count for the spread", () => {
   const found = spreadOf([scanOf([5]), scanOf([1, 2]), scanOf([1, 3])]);
   assert.deepEqual([found.count, spreadAt(found, 0)], [2, 0]);
   assert.ok(near(spreadAt(found, 1), 0.45));
+});
+
+test("the footer names the source of the poses", () => {
+  const pose: [number, number, number] = [1, 0, 0];
+  assert.equal(placedWords({ pose }), "by odometry");
+  assert.equal(placedWords({ pose, placed_by: "tf" }), "by tf");
+  assert.equal(placedWords({}), "scanner\u2019s frame");
 });
 
 const [first, second, now] = [scanOf([1]), scanOf([2]), scanOf([3])];

@@ -6,8 +6,14 @@ const NEAR = 9;
 const ROBOT = 8;
 const BEYOND_RIM = 16;
 
-/** Index of the ray under a point: the ray of the closest reading nearby, else the ray in that direction, or -1. */
-export function pick(projection: Projection, scan: Scan, point: Point): number {
+/** A place in the picture. From the index view it has the ray there, which other rays may cover in the picture. */
+export interface Place extends Point {
+  index?: number;
+}
+
+/** Index of the ray under a place: the ray of the closest reading nearby, else the ray in that direction, or -1. */
+export function pick(projection: Projection, scan: Scan, point: Place): number {
+  if (point.index !== undefined) return point.index;
   const { range, angle } = fromPixel(projection, point);
   const scale = projection.radius / projection.viewRange;
   if (range * scale < ROBOT || range * scale > projection.radius + BEYOND_RIM) return -1;

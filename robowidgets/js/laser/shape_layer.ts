@@ -6,6 +6,7 @@ import { type Metres, placesOf } from "../shared/shapes/places.ts";
 import type { Theme } from "../shared/theme.ts";
 import type { About, Shape } from "../shared/traits.ts";
 import type { Depth, Host, Layer, Painter, Stage } from "./layer.ts";
+import { shownBy } from "./mount.ts";
 import { ShapeLabels } from "./shape_labels.ts";
 import { describeShape, lasting, readingOf, toPicture, untilNext } from "./shapes.ts";
 
@@ -17,7 +18,7 @@ export interface Placed {
 
 /** The shapes that the program drew on the scan on show. */
 export class ShapeLayer implements Layer {
-  readonly traits = ["angle_unit"] as const;
+  readonly traits = ["angle_unit", "own_angles"] as const;
   readonly #host: Host;
   readonly #labels = new ShapeLabels();
   /** The facts about the newest sample, and the time of their arrival in milliseconds of the page's clock. */
@@ -84,6 +85,8 @@ export class ShapeLayer implements Layer {
 
   #drawLabels(context: CanvasRenderingContext2D, stage: Stage, theme: Theme): void {
     const named = new Set<string>();
+    const { model, stream } = this.#host;
+    const [unit, toShown] = [model.get("angle_unit"), shownBy(model, stream.about)];
     const labels = this.#drawn.flatMap(({ shape, places, path }) => {
       const isFirst = !named.has(shape.name);
       named.add(shape.name);
@@ -91,7 +94,7 @@ export class ShapeLayer implements Layer {
       const lines =
         shape.kind === "text"
           ? [shape.text ?? ""]
-          : [shape.name, describeShape(shape, places, stage.projection.viewRange, this.#host.model.get("angle_unit"))];
+          : [shape.name, describeShape(shape, places, stage.projection.viewRange, unit, toShown)];
       return [{ shape, path, lines: lines.filter(Boolean) }];
     });
     this.#labels.draw(context, stage, labels, theme);

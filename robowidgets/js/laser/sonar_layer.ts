@@ -4,6 +4,7 @@ import { make, setHidden, setText } from "../shared/dom.ts";
 import { toMetres } from "../shared/format.ts";
 import {
   decodeRing,
+  distanceOf,
   type Mount,
   type Poses,
   type Ring,
@@ -42,6 +43,8 @@ export interface Beam {
   /** Metres up to which its outline goes. */
   reach: number;
   isReading: boolean;
+  /** True if something is nearer than the sensor can measure. */
+  isTooClose: boolean;
 }
 
 /** The beams of a ring that stand in the picture: only sensors with a measurement and a known pose. */
@@ -49,8 +52,9 @@ export function toBeams(ring: Ring, about: SonarAbout, poses: Poses, usual: numb
   return toPlaced(ring, about, poses, usual).flatMap(({ name, mount, sonar, view }) => {
     if (!mount.isKnown || !isThere(sonar)) return [];
     const isReading = sonar.kind === READING;
-    const reach = isReading ? sonar.range : sonar.maxRange;
-    return [{ name, ...asSeen(scanner, mount), view, reach, isReading }];
+    const isTooClose = isClose(sonar);
+    const reach = isReading ? sonar.range : isTooClose ? sonar.minRange : sonar.maxRange;
+    return [{ name, ...asSeen(scanner, mount), view, reach, isReading, isTooClose }];
   });
 }
 
@@ -58,8 +62,13 @@ export function toBeams(ring: Ring, about: SonarAbout, poses: Poses, usual: numb
 type Place = [x: number, y: number, yaw: number];
 
 /** Returns true if a sensor has a recent measurement. */
-function isThere({ kind, behind, silentAfter }: Sonar): boolean {
-  return behind <= silentAfter && (kind === READING || kind === NOTHING_IN_RANGE);
+function isThere(sonar: Sonar): boolean {
+  const { kind, behind, silentAfter } = sonar;
+  return behind <= silentAfter && (kind === READING || kind === NOTHING_IN_RANGE || isClose(sonar));
+}
+
+function isClose(sonar: Sonar): boolean {
+  return sonar.kind !== READING && distanceOf(sonar) === 0;
 }
 
 /** A place on the robot in the frame of the scanner. */
@@ -139,7 +148,7 @@ function drawBeam(context: CanvasRenderingContext2D, stage: Stage, beam: Beam, t
   context.setLineDash(beam.isReading ? [] : DASHES);
   stroke(context, theme.guide, 1.25);
   context.setLineDash([]);
-  if (beam.isReading) {
+  if (beam.isReading || beam.isTooClose) {
     context.beginPath();
     for (const { x, y } of arc) context.lineTo(x, y);
     stroke(context, theme.reading, 2.5);
@@ -152,15 +161,9 @@ function drawWords(context: CanvasRenderingContext2D, stage: Stage, beam: Beam, 
   const { viewRange, radius } = stage.projection;
   const reach = Math.min(beam.reach, viewRange);
   const gap = (LINE * viewRange) / radius;
-  const distance = beam.isReading ? toMetres(beam.reach, viewRange) : "nothing";
-  writeWhereFree(
-    context,
-    stage,
-    pointOf(stage, beam, reach + (beam.isReading ? gap : -gap), 0),
-    distance,
-    theme.ink,
-    theme,
-  );
+  const isMet = beam.isReading || beam.isTooClose;
+  const distance = beam.isReading ? toMetres(beam.reach, viewRange) : isMet ? "too close" : "nothing";
+  writeWhereFree(context, stage, pointOf(stage, beam, reach + (isMet ? gap : -gap), 0), distance, theme.ink, theme);
   writeWhereFree(context, stage, pointOf(stage, beam, 0.6 * reach, 0), beam.name, theme.muted, theme);
 }
 

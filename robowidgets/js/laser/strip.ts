@@ -1,17 +1,13 @@
-import type { Point } from "../shared/box.ts";
 import { Canvas, type Surface, watchSize, write } from "../shared/canvas.ts";
 import { make, pointIn, set } from "../shared/dom.ts";
 import { toShortMetres } from "../shared/format.ts";
 import { angleOf } from "../shared/frames/scan.ts";
-import { toPixel } from "../shared/projection.ts";
 import type { Theme } from "../shared/theme.ts";
 import { watchGestures } from "./gestures.ts";
 import { type Host, type Layer, LOWER, type StripStage, UPPER } from "./layer.ts";
-import { fromStrip, indexTicks, metreTicks, placeOf, plotBox, toX, toY } from "./strip_axis.ts";
+import type { Place } from "./pick.ts";
+import { indexTicks, metreTicks, placeOf, plotBox, toPicture, toX, toY } from "./strip_axis.ts";
 
-/** Pixels from the scanner within which the picture takes no ray, and within the rim. */
-const INNER = 24;
-const RIM = 2;
 const TEXT = 11;
 
 /**
@@ -73,8 +69,8 @@ export class Strip {
     paint(UPPER);
   }
 
-  /** The place in the picture of the ray and the distance under the pointer. */
-  #toPicture(event: MouseEvent): Point {
+  /** The ray under the pointer, and the place of its distance there in the picture. */
+  #toPicture(event: MouseEvent): Place {
     const { x, y } = pointIn(this.root, event);
     const { sweep, projection } = this.#host.stage;
     const axes = {
@@ -82,11 +78,7 @@ export class Strip {
       count: sweep.count,
       viewRange: projection.viewRange,
     };
-    const { index, metres } = fromStrip(axes, x, y);
-    const perPixel = projection.viewRange / projection.radius;
-    const rim = Math.min(sweep.maxRange, projection.viewRange);
-    const [least, most] = [INNER * perPixel, rim - RIM * perPixel];
-    return toPixel(projection, Math.min(most, Math.max(least, metres)), angleOf(sweep, index));
+    return toPicture(axes, sweep, projection, { x, y });
   }
 }
 

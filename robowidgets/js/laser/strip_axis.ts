@@ -1,5 +1,12 @@
-import type { Box } from "../shared/box.ts";
+import type { Box, Point } from "../shared/box.ts";
+import { angleOf, type Limits, type Sweep } from "../shared/frames/scan.ts";
+import { type Projection, toPixel } from "../shared/projection.ts";
 import { ticks } from "../shared/ticks.ts";
+import type { Place } from "./pick.ts";
+
+/** Pixels from the scanner within which the picture takes no ray, and within the rim. */
+const INNER = 24;
+const RIM = 2;
 
 /** Pixels between two indices on the axis; fewer in a narrow strip. */
 const APART = { wide: 76, narrow: 96 };
@@ -45,6 +52,16 @@ export function fromStrip(
   const index = Math.min(count - 1, Math.max(0, Math.floor(part * count)));
   const metres = viewRange * (1 - (y - box.y) / box.height);
   return { index, metres: Math.min(viewRange, Math.max(0, metres)) };
+}
+
+/** The ray under a point of the strip, and the place of its distance there in the picture. */
+export function toPicture(axes: StripAxes, sweep: Sweep & Limits, projection: Projection, { x, y }: Point): Place {
+  const { index, metres } = fromStrip(axes, x, y);
+  const perPixel = projection.viewRange / projection.radius;
+  const rim = Math.min(sweep.maxRange, projection.viewRange);
+  const [least, most] = [INNER * perPixel, rim - RIM * perPixel];
+  const place = toPixel(projection, Math.min(most, Math.max(least, metres)), angleOf(sweep, index));
+  return index < 0 ? place : { ...place, index };
 }
 
 /** Indices with round numbers, from [0] to the last, none too close to another. */

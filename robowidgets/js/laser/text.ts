@@ -44,12 +44,13 @@ export function describeRay(
   }
   const range = scan.ranges[index] as number;
   const angle = angleOf(scan, index);
+  const shown = toShown(angle);
   const intensity = scan.intensities[index];
   const parts = [meaningOf(scan, index)];
   const isReading = parts[0] === "";
   if (isReading) {
     const metres = (value: number) => (range < 1000 ? toFixed(value, decimalsFor(reach)) : toMetres(value, reach));
-    const [x, y] = [Math.cos(angle), Math.sin(angle)].map((part) => metres(range * part));
+    const [x, y] = [Math.cos(shown), Math.sin(shown)].map((part) => metres(range * part));
     // Each number stays with its letter in a narrow pop-up.
     parts[0] = `x\u00A0${x}  y\u00A0${y}`;
   }
@@ -61,7 +62,7 @@ export function describeRay(
       : Number.isFinite(range)
         ? `${toFixed(range, 3)} m`
         : toFixed(range, 0),
-    angle: toAngle(toShown(angle), unit),
+    angle: toAngle(shown, unit),
     details: [...parts, ...(more ? [more] : [])].join("\n"),
     side: sideOf(angle),
   };

@@ -36,11 +36,16 @@ export class TrailLayer implements Layer {
 
   place(): void {
     const count = this.#placed.length;
-    const where = this.#host.stream.last(1)[0]?.about.pose ? "by odometry" : "scanner\u2019s frame";
-    setText(this.#words, count ? `trail of ${count}, ${where}` : "");
+    const about = this.#host.stream.last(1)[0]?.about ?? {};
+    setText(this.#words, count ? `trail of ${count}, ${placedWords(about)}` : "");
     // Empty, it would take a place in the footer.
     setHidden(this.#words, !count);
   }
+}
+
+/** The source of the poses of earlier scans, by the facts about the scan on show. */
+export function placedWords({ pose, placed_by = "odometry" }: About): string {
+  return pose ? `by ${placed_by}` : "scanner\u2019s frame";
 }
 
 /** A scan, and the pose of its scanner in the frame of odometry, if it is known. */

@@ -99,6 +99,8 @@ export interface About {
   numbers?: Record<string, number | null>;
   /** The scanner's pose in the frame of odometry: metres and radians. */
   pose?: [x: number, y: number, yaw: number];
+  /** The source of this pose if it is not odometry. */
+  placed_by?: string;
   /** By name of a layer of a map, the reason why it is not drawn. */
   missing?: Record<string, string>;
   /** Sequence number of the sample that the lamps belong to. */

@@ -249,6 +249,24 @@ def test_a_message_with_a_depth_image_is_a_scan_of_its_time() -> None:
     np.testing.assert_allclose(scan.ranges, depth_scan(millimetres, info()).ranges, rtol=1e-6)
 
 
+def test_nothing_in_range_is_the_same_in_a_message_as_in_an_array() -> None:
+    metres = np.full((480, 640), inf, np.float32)
+    metres[:, :100] = nan
+    metres[:, 600:] = 3.0
+    fields = {"height": 480, "width": 640, "encoding": "32FC1", "step": 2560, "is_bigendian": 0}
+    scan = depth_scan({"header": {"frame_id": "c"}, **fields, "data": metres.tobytes()}, info())
+    np.testing.assert_array_equal(scan.ranges, depth_scan(metres, info()).ranges)
+    assert np.isposinf(scan.at(0.0).range)  # type: ignore[union-attr]
+    assert scan.distance("front") == scan[int(np.nanargmin(scan.ranges))].range < inf
+
+
+@pytest.mark.parametrize("kind", [np.uint16, np.float32])
+def test_a_depth_of_zero_is_no_reading_even_without_a_least_range(kind: type) -> None:
+    depth = np.zeros((480, 640), kind)
+    scan = depth_scan(depth, info(), range_min=0.0)
+    assert np.isnan(scan.ranges).all()
+
+
 @pytest.mark.parametrize(
     ("depth", "rows", "error"),
     [
@@ -414,12 +432,18 @@ def test_cones_end_where_something_is_or_say_that_there_is_nothing() -> None:
         "front": (Range(1.5, 0.1, 4.0, field_of_view=0.4), at),
         "far": (Range(inf, 0.1, 4.0), at),
         "dead": (Range(nan, 0.1, 4.0), at),
+        "near": (Range(-inf, 1.0, 4.0), at),
+        "nearer": (Range(0.2, 1.0, 4.0), at),
     }
     drawn = cones(CameraModel(info()), ranges, radians(15))
     assert [(one.kind, one.name, one.words, one.dashed) for one in drawn] == [
         ("cone", "front", "1.50 m", False),
         ("arc", "front", "", False),
         ("cone", "far", "nothing", True),
+        ("cone", "near", "too close", False),
+        ("arc", "near", "", False),
+        ("cone", "nearer", "too close", False),
+        ("arc", "nearer", "", False),
     ]
     # The arc is as wide as the beam, 1.5 m from the sensor.
     (arc,) = drawn[1].pieces

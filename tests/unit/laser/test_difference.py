@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import robowidgets
-from robowidgets import LaserWidget, Scan
+from robowidgets import Footprint, LaserWidget, Scan
 from robowidgets.samples.distances import indices_at
 
 from ..pages import synced
@@ -88,6 +88,18 @@ class TestGhost:
         assert laser.get_state()["_ghost"] != b"", "a saved notebook has it"
         laser.ghost = None
         assert laser.ghost is None
+        laser.close()
+
+    def test_a_scan_gets_the_mount_of_the_scanner_in_the_widget(self) -> None:
+        laser = LaserWidget()
+        laser.footprint = Footprint(radius=0.2, scanner=(0, 0, "90deg"), upside_down=True)
+        message = scan(1.0, 2.0, 3.0)
+        laser.update(scan(1.0, 2.0, 2.0))
+        laser.ghost = message
+        assert laser.ghost.angles.tolist() == pytest.approx(laser.scan.angles.tolist())
+        assert (laser.scan - laser.ghost).tolist() == [0, 0, -1]
+        laser.ghost = laser.scan
+        assert laser.ghost.angles.tolist() == pytest.approx(laser.scan.angles.tolist())
         laser.close()
 
     def test_a_scan_keeps_its_frame_when_it_is_pinned(self) -> None:

@@ -95,6 +95,17 @@ class TestTrail:
         assert laser.get_state()["_about"]["pose"] == [0.5, 0.0, 0.0]
         laser.close()
 
+    def test_tf_of_the_scanner_on_the_robot_alone_does_not_place_scans(self) -> None:
+        laser = LaserWidget(trail=5)
+        laser.take_static_frames(scene.tf_of_rosbridge(("base_link", "laser", 0.5)))
+        laser.update(Scan([1.0], 0.0, 0.1, 0.1, 9.0, frame_id="laser"))
+        assert "pose" not in laser.get_state()["_about"]
+        laser.take_frames(scene.tf_of_rosbridge(("odom", "base_link", 1.0)))
+        laser.update(Scan([1.0], 0.0, 0.1, 0.1, 9.0, frame_id="laser"))
+        about = laser.get_state()["_about"]
+        assert (about["pose"], about["placed_by"]) == ([1.5, 0.0, 0.0], "tf")
+        laser.close()
+
     def test_a_transform_that_is_old_when_the_scan_comes_has_a_note_unless_it_is_static(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:

@@ -102,6 +102,10 @@ class TestItems:
         assert np.isnan(nothing.pose.x)
         assert np.ptp(np.arctan2(nothing.points[1:, 1], nothing.points[1:, 0])) == pytest.approx(radians(3))
         assert not len(to_map_item(Range(nan, 0.1, 4.0)).points)
+        for close in (Range(-inf, 0.3, 4.0), Range(0.1, 0.3, 4.0)):
+            near = to_map_item(close)
+            assert near.pose == (0.0, 0.0, 0.0)
+            assert np.hypot(*near.points[1:].T) == pytest.approx(0.3)
 
     def test_a_path_is_a_line_and_an_array_of_poses_has_headings(self) -> None:
         path = to_map_item(scene.plan([(0, 0), (1, 2), (nan, 3)], 1.0))

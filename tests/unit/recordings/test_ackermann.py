@@ -91,6 +91,13 @@ def test_what_is_frozen_keeps_its_angle() -> None:
     widget.close()
 
 
+def test_null_of_json_is_not_a_number() -> None:
+    speed = to_speed({"drive": {"speed": None, "steering_angle": None}})
+    assert isnan(speed.linear[0])
+    assert speed.steering is not None
+    assert isnan(speed.steering)
+
+
 def test_a_steering_angle_that_is_not_a_number_is_null_for_the_page() -> None:
     widget = SpeedWidget()
     widget.update(Speed(steering=nan))

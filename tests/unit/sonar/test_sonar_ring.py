@@ -181,14 +181,15 @@ def _transform(parent: str, child: str, x: float, y: float, yaw: float) -> dict:
     return {"header": stamped(START_NS, parent), "child_frame_id": child, "transform": transform}
 
 
-def test_a_player_has_each_sonar_at_its_place_by_tf_and_knows_which_one_went_silent(tmp_path: Path) -> None:
+@pytest.mark.parametrize("slash", ["", "/"])  # ROS 1 may write the names of frames with a leading slash
+def test_a_player_has_each_sonar_at_its_place_by_tf_and_knows_which_one_went_silent(tmp_path: Path, slash: str) -> None:
     tree = [_transform("base_footprint", "base_link", 9.0, 9.0, 1.0), _transform("base_link", "ring", 0.1, 0.0, 0.0)]
     tree += [_transform("ring", f"sonar_{name}", x - 0.1, y, yaw) for name, (x, y, yaw) in SONAR_AT.items()]
     messages = [(0.0, STATIC, {"transforms": tree})]
     for i in range(40):
         for name in ("front_0", "rear_0", "side"):
             if name != "rear_0" or i < 20:
-                fields = {**DISTANCE, "range": 1.0, "header": stamped(START_NS, f"sonar_{name}")}
+                fields = {**DISTANCE, "range": 1.0, "header": stamped(START_NS, f"{slash}sonar_{name}")}
                 messages.append((i / 4, f"/sonar/{name}", fields))
     types = {STATIC: "tf2_msgs/msg/TFMessage", **{f"/sonar/{name}": RANGE for name in ("front_0", "rear_0", "side")}}
     with robowidgets.open(recorded.write(tmp_path / "drive", types, messages)) as recording:

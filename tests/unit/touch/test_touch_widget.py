@@ -7,6 +7,7 @@ import logging
 import threading
 from collections.abc import Callable, Iterator
 from math import inf, nan
+from pathlib import Path
 from queue import Queue
 
 import numpy as np
@@ -14,12 +15,14 @@ import pytest
 from comm.base_comm import BaseComm
 from traitlets import TraitError
 
+import robowidgets
 from robowidgets import Touch, TouchMode, TouchState, TouchWidget
 from robowidgets.samples.touch_tracker import TouchTracker
 from robowidgets.widget.pacer import pacer
 from robowidgets.widget.timed_frame import FRAME_HEADER
 
 from ..pages import synced
+from ..recordings import hazards
 from ..senders import get_timers
 
 FREE, TOUCHED, UNKNOWN = TouchState.FREE, TouchState.TOUCHED, TouchState.UNKNOWN
@@ -353,3 +356,23 @@ def test_a_widget_prints_the_states_on_show(touch: TouchWidget) -> None:
     assert repr(touch) == "<TouchWidget /bumper: nothing yet>"
     touch.update(left=True, center=False, right=None)
     assert repr(touch) == "<TouchWidget /bumper: left touched, center free, right unknown>"
+
+
+def test_a_player_holds_touches_for_as_long_as_its_widget_says(tmp_path: Path) -> None:
+    touched = {0.0: True, 0.1: False, 2.0: False}
+    with robowidgets.open(hazards.write(tmp_path / "drive", touched)) as recording:
+        player = recording.show(scanogram=False)
+        (view,) = player.views
+
+        def at(seconds: float) -> tuple[str, TouchState]:
+            (frame,) = view.track.frames(seconds, seconds)
+            view.track.seek(seconds)
+            return rows(frame.frame)["left"][0], view.widget.states["left"]
+
+        assert at(0.5) == ("free", FREE)
+        view.widget.hold = 1.0
+        assert at(0.5) == ("touched", TOUCHED)
+        assert at(1.0) == ("free", FREE), "a second after the message that listed it"
+        view.widget.hold = 0.15
+        assert at(0.5) == ("free", FREE)
+        player.close()
