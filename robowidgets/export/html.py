@@ -198,7 +198,7 @@ def check_texts(title: Any, note: Any, max_size: Any = None) -> None:
             raise TypeError(f"to_html(): expected {name} as a text, got {value!r}")
     if max_size is not None and (isinstance(max_size, bool) or not isinstance(max_size, Real)):
         raise TypeError(f"to_html(): expected max_size in bytes, such as 50_000_000, or None, got {max_size!r}")
-    if max_size is not None and not max_size > 0:
+    if max_size is not None and not float(max_size) > 0:
         raise ValueError(f"to_html(): expected max_size above 0, got {max_size!r}")
 
 
