@@ -15,6 +15,9 @@ _LEAST = 20
 _STEADY, _SHARE = 0.1, 0.75
 """A topic is steady if this share of its steps differs from the usual step by this share of it at most."""
 
+_LONG = 1.5
+"""The share of the usual step above which a step is a part of a span below the usual rate."""
+
 _WINDOW = 20
 """The number of steps over which the rate is measured, and a late sample may delay others."""
 
@@ -92,4 +95,6 @@ def _slow(times: NDArray[np.float64], step: float, is_pause: NDArray[np.bool_]) 
             found[-1] = (found[-1][0], i + _WINDOW)
         else:
             found.append((i, i + _WINDOW))
-    return found
+    # A window may begin before the first long step, and end after the last one.
+    long = np.flatnonzero(np.diff(times) > _LONG * step)
+    return [(int(long[np.searchsorted(long, i)]), int(long[np.searchsorted(long, j) - 1]) + 1) for i, j in found]
