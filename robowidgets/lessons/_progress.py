@@ -230,7 +230,7 @@ def report(file: str | os.PathLike[str]) -> str:
     if path.suffix != ".json" or path.name == FILE:
         raise ValueError(f"report: expected a file name with your name, such as 'ada.json', got {str(file)!r}")
     if not path.parent.is_dir():
-        raise FileNotFoundError(f"report: there is no folder {str(path.parent)!r} for {path.name!r}; make it")
+        raise FileNotFoundError(f"report: the folder {str(path.parent)!r} does not exist; make it")
     if path.exists():
         try:
             read(path)

@@ -69,7 +69,7 @@ def timing_of(times: NDArray[np.float64], seconds: NDArray[np.float64]) -> Timin
 def _lost(times: NDArray[np.float64], step: float, is_pause: NDArray[np.bool_]) -> int:
     """Return the number of missing samples, without pauses.
 
-    A late sample makes a long step and later a short one, and none is missing: a long step counts by the samples that
+    A late sample makes a long step and later a short one, without a loss: a long step counts by the samples that
     are still missing after each of the next short steps.
     """
     steps = np.diff(times)

@@ -212,7 +212,7 @@ class TestReport:
 
     @pytest.mark.usefixtures("folder")
     def test_a_report_needs_a_folder_that_exists(self) -> None:
-        with pytest.raises(FileNotFoundError, match=r"^report: there is no folder 'mine' for 'ada\.json'"):
+        with pytest.raises(FileNotFoundError, match=r"^report: the folder 'mine' does not exist; make it"):
             lessons.report("mine/ada.json")
 
 
