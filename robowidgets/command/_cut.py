@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from math import inf
 from pathlib import Path
 
 import robowidgets
@@ -15,7 +16,12 @@ def add_cut(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``robowidgets cut``, except its file."""
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.mcap", help="the file to write")
     parser.add_argument("--start", type=float, metavar="SECONDS", help="from the start of the recording")
-    parser.add_argument("--end", type=float, metavar="SECONDS", help="from the start of the recording")
+    parser.add_argument(
+        "--end",
+        type=float,
+        metavar="SECONDS",
+        help="from the start of the recording; not included, except at the end of the recording",
+    )
     parser.add_argument("--force", action="store_true", help="replace an existing file")
 
 
@@ -28,7 +34,9 @@ def cut(arguments: argparse.Namespace) -> str:
     """
     with robowidgets.open(arguments.file) as recording:
         try:
-            part = recording[arguments.start : arguments.end]
+            # A slice does not contain its end, but the length that `info` prints means all of the recording.
+            is_all = arguments.end is not None and recording.duration <= arguments.end < inf
+            part = recording[arguments.start : None if is_all else arguments.end]
             path = part.to_mcap(arguments.output, overwrite=arguments.force)
         except ValueError as error:
             text = in_options(str(error))

@@ -22,6 +22,7 @@ _OPTIONS = (
     ("start:", "--start:"),
     ("end:", "--end:"),
     ("every:", "--every:"),
+    ("max_size above", "--max-size above"),
 )
 
 
@@ -57,7 +58,7 @@ def export(arguments: argparse.Namespace, warn: Callable[[str], None]) -> str:
                 return f"{output}: about {megabytes(recording.html_size(**part))}"
             if output.exists() and not arguments.force:
                 raise FileExistsError(f"{output}: already exists; replace it with --force, or name another with -o")
-            most = round(arguments.max_size * _MEGA)
+            most = arguments.max_size * _MEGA
             path = recording.to_html(output, **part, title=arguments.title, note=arguments.note, max_size=most)
         except ValueError as error:
             raise CommandError(_in_options(str(error))) from None

@@ -189,12 +189,17 @@ class Page(NamedTuple):
 
 
 def check_texts(title: Any, note: Any, max_size: Any = None) -> None:
-    """Raise TypeError for a title or a note that is not a text, or a size that is neither a number nor None."""
+    """Raise TypeError for a title or a note that is not a text, or a size that is neither a number nor None.
+
+    A size that is not above 0 raises ValueError.
+    """
     for name, value in (("title", title), ("note", note)):
         if not isinstance(value, str | None):
             raise TypeError(f"to_html(): expected {name} as a text, got {value!r}")
     if max_size is not None and (isinstance(max_size, bool) or not isinstance(max_size, Real)):
         raise TypeError(f"to_html(): expected max_size in bytes, such as 50_000_000, or None, got {max_size!r}")
+    if max_size is not None and not float(max_size) > 0:
+        raise ValueError(f"to_html(): expected max_size above 0, got {max_size!r}")
 
 
 def static(name: str) -> str:

@@ -95,7 +95,7 @@ def _origin(given: float, scan: Scan, sector: SectorLike, hint: str) -> tuple[st
         return say(". No ray has the range {given:.4g}", given=given), asked
     inside = np.intersect1d(found, scan.indices(sector))
     index = int(inside[0] if inside.size else found[0])
-    angle = degrees(scan[index].angle)
+    angle = round(degrees(scan[index].angle))  # a whole number: -0.2 would be shown as -0
     return say(". That is ranges[{index}], at {angle:.0f}°", index=index, angle=angle), hint
 
 

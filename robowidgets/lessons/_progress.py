@@ -222,13 +222,15 @@ def report(file: str | os.PathLike[str]) -> str:
 
     Raises:
         TypeError: it is not a name. ValueError: the name does not end with ``.json``.
-        FileExistsError: a file with this name exists and is not a report.
+        FileExistsError: a file with this name exists and is not a report. FileNotFoundError: its folder is missing.
     """
     if not isinstance(file, (str, os.PathLike)):
         raise TypeError(f"report: expected a file name with your name, such as 'ada.json', got {file!r}")
     path = Path(file)
     if path.suffix != ".json" or path.name == FILE:
         raise ValueError(f"report: expected a file name with your name, such as 'ada.json', got {str(file)!r}")
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"report: the folder {str(path.parent)!r} does not exist; make it")
     if path.exists():
         try:
             read(path)

@@ -19,7 +19,7 @@ def often(count: int) -> str:
     return "once" if count == 1 else f"{count:,} times"
 
 
-def megabytes(size: int) -> str:
+def megabytes(size: float) -> str:
     """Return a number of bytes: ``450 kB``, ``12.3 MB``, ``1.5 GB``."""
     if size < 1e6:
         return f"{size / 1e3:.0f} kB"

@@ -227,4 +227,5 @@ def library(name: str, method: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        raise ImportError(f"{method}() needs {name}, which cannot be imported ({error}): pip install {name}") from None
+        install = f"pip install {name.partition('.')[0]}"
+        raise ImportError(f"{method}() needs {name}, which cannot be imported ({error}): {install}") from None

@@ -15,8 +15,14 @@ _LEAST = 20
 _STEADY, _SHARE = 0.1, 0.75
 """A topic is steady if this share of its steps differs from the usual step by this share of it at most."""
 
+_LONG = 1.5
+"""The share of the usual step above which a step is a part of a span below the usual rate."""
+
 _WINDOW = 20
-"""The number of steps over which the rate is measured."""
+"""The number of steps over which the rate is measured, and a late sample may delay others."""
+
+_SHORT = 0.75
+"""The share of the usual step below which a sample follows one that was late."""
 
 
 class Timing(NamedTuple):
@@ -53,12 +59,29 @@ def timing_of(times: NDArray[np.float64], seconds: NDArray[np.float64]) -> Timin
     if np.count_nonzero(off <= _STEADY * step) < _SHARE * len(steps):
         return timing
     is_pause = steps > PAUSE.after(step)
-    missing = np.round(steps[~is_pause] / step) - 1
     return timing._replace(
-        lost=int(missing[missing > 0].sum()),
+        lost=_lost(times, step, is_pause),
         pauses=tuple((float(seconds[i]), float(steps[i])) for i in np.flatnonzero(is_pause)),
         slow=tuple((float(seconds[i]), float(times[j] - times[i])) for i, j in _slow(times, step, is_pause)),
     )
+
+
+def _lost(times: NDArray[np.float64], step: float, is_pause: NDArray[np.bool_]) -> int:
+    """Return the number of missing samples, without pauses.
+
+    A late sample makes a long step and later a short one, without a loss: a long step counts by the samples that
+    are still missing after each of the next short steps.
+    """
+    steps = np.diff(times)
+    missing = np.round(steps / step) - 1
+    starts = np.flatnonzero((missing > 0) & ~is_pause)
+    missing = missing[starts]
+    for count in range(2, _WINDOW + 1):
+        ends = np.minimum(starts + count, len(steps))
+        still = np.round((times[ends] - times[starts]) / step) - count
+        caught_up = (ends == starts + count) & (steps[ends - 1] < _SHORT * step)
+        missing = np.where(caught_up, np.minimum(missing, still), missing)
+    return int(missing[missing > 0].sum())
 
 
 def _slow(times: NDArray[np.float64], step: float, is_pause: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -72,4 +95,6 @@ def _slow(times: NDArray[np.float64], step: float, is_pause: NDArray[np.bool_]) 
             found[-1] = (found[-1][0], i + _WINDOW)
         else:
             found.append((i, i + _WINDOW))
-    return found
+    # A window may begin before the first long step, and end after the last one.
+    long = np.flatnonzero(np.diff(times) > _LONG * step)
+    return [(int(long[np.searchsorted(long, i)]), int(long[np.searchsorted(long, j) - 1]) + 1) for i, j in found]

@@ -413,6 +413,7 @@ def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
     assert main([*asked, "-o", "bump.html"]) == 0
     written = tmp_path / "bump.html"
     assert capsys.readouterr().out == f"Wrote {written}: {written.stat().st_size / 1e3:.0f} kB\n"
+    assert main([*asked, "-o", "bump.html", "--force", "--max-size", "inf"]) == 0
     text = written.read_text(encoding="utf-8")
     assert "It &lt;turns&gt;." in text
     assert "10.00 to 12.00 s of 58.00 s · 2025-06-15 15:06:50 UTC · /odom</p>" in text
@@ -426,6 +427,8 @@ def test_export_writes_a_page_and_tells_its_size(tmp_path, capsys, monkeypatch):
             ["--max-size", "0.1"],
             "(--start, --end), fewer topics, or every second scan (--every 2), or allow more (--max-size",
         ),
+        (["--max-size", "nan"], "expected --max-size above 0, got nan"),
+        (["--max-size", "-1"], "expected --max-size above 0, got -1"),
         (["-o", "a.txt"], "expected a name that ends in .html or .htm"),
         (["-o", "there.html"], "there.html: already exists; replace it with --force, or name another with -o"),
         (["--topic", "/sacn"], "no topic '/sacn'"),

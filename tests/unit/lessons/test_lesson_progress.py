@@ -210,6 +210,11 @@ class TestReport:
         with pytest.raises(TypeError, match=r"report: expected a file name .* 'ada\.json', got None"):
             lessons.report(None)  # type: ignore[arg-type]
 
+    @pytest.mark.usefixtures("folder")
+    def test_a_report_needs_a_folder_that_exists(self) -> None:
+        with pytest.raises(FileNotFoundError, match=r"^report: the folder 'mine' does not exist; make it"):
+            lessons.report("mine/ada.json")
+
 
 class TestSummary:
     def hand_in(self, folder: Path) -> None:

@@ -157,6 +157,7 @@ class TestWrongAnswers:
         [
             ("nearest_on_the_left", lambda scan: scan.ranges.min(), "you returned nan; it is "),
             ("nearest_on_the_left", lambda scan: scan.distance(), "Look only on the left"),
+            ("nearest_on_the_left", lambda scan: scan.ranges[269], "That is ranges[269], at 0°"),
             (
                 "nearest_on_the_left",
                 lambda scan: float(np.nanmin(scan.ranges[len(scan) * 2 // 3 : len(scan) * 5 // 6], initial=np.inf)),

@@ -295,7 +295,12 @@ def test_the_command_writes_a_cut(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert main(["cut", path, "--start", "2", "-o", out]) == 2
     assert "exists; name another file, or replace it with --force" in capsys.readouterr().err
     assert main(["cut", path, "--start", "2", "-o", out, "--force"]) == 0
+    whole = by_mcap(Path(out))
+    for end in ("4.9", "60"):  # the last scan comes at 4.9 s
+        assert main(["cut", path, "--start", "2", "--end", end, "-o", out, "--force"]) == 0
+        assert by_mcap(Path(out)) == whole
     for arguments, problem in (
+        (["--end", "inf"], "--end: expected seconds from the start of the recording, got inf"),
         (["--start", "4", "--end", "2"], "--end: expected seconds from the start of the recording, 4 or more, got 2"),
         (["--start", "70"], "--start: expected seconds from 0 to 4.90, got 70"),
         (["--start", "nan"], "--start: expected seconds from the start of the recording, got nan"),

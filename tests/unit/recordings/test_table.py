@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from math import isclose, isnan, nan
 from pathlib import Path
 from typing import Any
@@ -120,7 +121,7 @@ def test_a_message_has_a_column_for_each_of_its_fields(drive: Recording) -> None
 
 
 def test_tables_of_other_libraries_have_types_that_do_not_depend_on_the_values(
-    drive: Recording, tmp_path: Path
+    drive: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     arrows = [drive.table(SCAN, SPEED, "/bumper.state", "/log.data", at=at).to_arrow() for at in ("/scan", "/log")]
     assert arrows[0].schema == arrows[1].schema
@@ -135,6 +136,9 @@ def test_tables_of_other_libraries_have_types_that_do_not_depend_on_the_values(
     assert repr(table).startswith(f"FieldTable of {SCAN}, {SPEED}, /bumper.state, /log.data: 100 rows, 0.00 to 9.90 s")
     with pytest.raises(KeyError, match=r"no column 'x'; there are /scan\.front"):
         table["x"]
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    with pytest.raises(ImportError, match=r"pip install pyarrow$"):
+        table.to_parquet(tmp_path / "table.parquet")
 
 
 def test_wrong_requests_name_what_was_expected(drive: Recording) -> None:
