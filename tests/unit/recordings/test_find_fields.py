@@ -70,6 +70,20 @@ def test_a_field_of_any_topic_compares_to_a_number_a_flag_or_a_text(
     assert found(recording, condition) == spans
 
 
+def test_the_numbers_that_were_found_keep_their_digits_as_text(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    types = {"/fix": "sensor_msgs/msg/NavSatFix", "/ticks": "std_msgs/msg/Int64"}
+    messages = [(0.0, "/fix", {"latitude": 48.123456789}), (1.0, "/ticks", {"data": 12_345_678})]
+    path = recorded.write(tmp_path / "x", types, messages)
+    recording = robowidgets.open(path)
+    assert "48.12346" in str(recording.find(field("/fix.latitude") > 48.1))
+    assert "12345678" in str(recording.find(field("/ticks.data") > 1))
+    for words, value in [("/fix.latitude > 48.1", "48.12345679"), ("/ticks.data > 1", "12345678")]:
+        assert main(["find", str(path), "--field", words]) == 0
+        assert capsys.readouterr().out.split()[-1] == value
+
+
 @pytest.mark.filterwarnings("error")
 def test_a_field_can_be_compared_to_infinity(tmp_path: Path) -> None:
     messages = [(0.0, "/range", {"data": 1.0}), (1.0, "/range", {"data": INF}), (2.0, "/range", {"data": -INF})]
