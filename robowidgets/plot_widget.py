@@ -1,4 +1,4 @@
-"""The plot widget: any numbers over time, with their exact values."""
+"""The plot widget: any numbers over time, with the values at a moment."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _BY_NAME = 'update(v=0.3, time=1.2), or update({"/odom.v": 0.3}, time=1.2)'
 class PlotWidget(PlotCard):
     """Numbers over time: up to eight lines, in a graph for each unit, on one time axis.
 
-    The widget shows lines in ink with different dashes. Next to them it shows the exact value at the pointer or the
+    The widget shows lines in ink with different dashes. Next to them it shows the value at the pointer or the
     time cursor, with its time, and the minimum, the mean and the maximum of the span on show. A value is never
     interpolated: it is the last one up to that time. NaN and infinities are gaps, and so is a long time without values.
     Dragging selects a span to show, the wheel zooms, space freezes. All this works without the kernel, but finer detail

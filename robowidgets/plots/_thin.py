@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..samples.staleness import LIVE, usual_step
+from ..samples.staleness import PLOT_GAP, usual_step
 from .line import Floats
 
 _EACH = 4
@@ -75,7 +75,7 @@ def _extremes(values: Floats) -> tuple[int, ...]:
 
 def _broken(times: Floats, kept: NDArray[np.int64], rows: ThinRows) -> ThinRows:
     """Return the rows with a gap in the middle of each silence of the line. Rows at both ends of it are kept."""
-    longest = LIVE.after(usual_step(times[-_STEPS:]))
+    longest = PLOT_GAP.after(usual_step(times[-_STEPS:]))
     breaks = np.flatnonzero((np.diff(kept) == 1) & (np.diff(rows.times) > longest))
     if not breaks.size:
         return rows

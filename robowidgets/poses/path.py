@@ -26,8 +26,9 @@ SPEEDUP = 5.0
 class Path:
     """The poses of a robot with their times, oldest first; the last point is always the newest pose.
 
-    The last point moves with the robot until it is `step` metres from the point before. So a robot that stands still
-    adds no points, and a long path is kept in full, with fewer points per metre.
+    The last point moves with the robot until it has driven `step` metres from the point before. So a robot that stands
+    still adds no points, and a long path is kept in full, with fewer points per metre. The metres driven count the way
+    from each pose to the next, also of poses that leave no point.
 
     If a pose is farther away than a robot can drive, for example because odometry was reset, a new stroke begins. The
     jump adds nothing to the length of the path.
@@ -62,11 +63,11 @@ class Path:
             return False
         jumps = self._jumps(pose, clock)
         moves = len(points) > 1 and points[-1][4] - points[-2][4] < self.step and not _is_gap(points[-2], points[-1])
-        if moves and not jumps:
-            points.pop()
         way = points[-1][4] if points else 0.0
         if points and not jumps:
             way += hypot(pose.x - points[-1][1], pose.y - points[-1][2])
+        if moves and not jumps:
+            points.pop()  # after its way was counted: a chord between kept points is shorter
         points.append((time, *pose, way))
         if len(points) > MOST_POINTS:
             self._points = points[::2] if len(points) % 2 else [*points[::2], points[-1]]

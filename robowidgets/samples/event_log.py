@@ -52,6 +52,7 @@ class EventLog:
         self._most_characters = inf if most_characters is None else most_characters
         self._rows: deque[EventRow] = deque(maxlen=most_rows)
         self.count = 0
+        self._last_text = ""
         self._made = self._characters = 0
 
     @property
@@ -78,10 +79,11 @@ class EventLog:
         if (
             last is not None
             and (last.level, last.source, last.text, last.topic) == said
-            and last.length == len(event.text)
+            and self._last_text == event.text  # the row may have only its beginning
         ):
             self._rows[-1] = last._replace(until=seconds, count=last.count + 1)
             return
+        self._last_text = event.text
         row = EventRow(self._made, seconds, seconds, *said, 1, len(event.text))
         if len(self._rows) == self._rows.maxlen:
             self._forget()

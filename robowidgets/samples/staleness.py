@@ -68,6 +68,9 @@ PARTS_PAUSE = 60.0
 SCAN_GAP = SilenceRule(3)
 """For two scans of a scanogram, with the 90th percentile of the steps: the picture has a gap."""
 
+PLOT_GAP = SilenceRule(3, 1.0)
+"""For two values of a plot: the line has a gap. A slow topic keeps its line, such as one message a minute."""
+
 BEAT = 1.0
 """Seconds between two heartbeats of a kernel whose widget has nothing new to show; the page waits for two."""
 

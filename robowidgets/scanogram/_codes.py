@@ -7,10 +7,12 @@ from numpy.typing import NDArray
 
 Codes = NDArray[np.uint16]
 
-FARTHEST = 65_000
-"""The code of the farthest possible reading; the code of range_min is 0, and codes are linear in between."""
+TOO_CLOSE = 0
 
-TOO_CLOSE, OUTSIDE_LIMITS, NO_MEASUREMENT, NOTHING_IN_RANGE = 65_531, 65_532, 65_533, 65_534
+CLOSEST, FARTHEST = 1, 65_001
+"""The codes of range_min and of the farthest possible reading; codes are linear in between."""
+
+OUTSIDE_LIMITS, NO_MEASUREMENT, NOTHING_IN_RANGE = 65_532, 65_533, 65_534
 NO_SCAN = 65_535
 
 WITHOUT_READING = (TOO_CLOSE, NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS)
@@ -20,8 +22,8 @@ WITHOUT_READING = (TOO_CLOSE, NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS)
 def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
     """Return ranges in metres as codes of the same shape.
 
-    If several rays share a pixel, the lowest code is shown: the nearest reading, or without a reading the first of too
-    close, outside the limits, no measurement, nothing in range. So a coarse picture omits no near reading.
+    If several rays share a pixel, the lowest code is shown: too close, the nearest reading, or without either the first
+    of outside the limits, no measurement, nothing in range. So a coarse picture omits nothing near.
 
     Source: REP-117 for the classes.
     """
@@ -30,7 +32,8 @@ def encode(ranges: NDArray[np.float32], range_min: float, far: float) -> Codes:
     reading &= ranges <= high
     with np.errstate(invalid="ignore", over="ignore"):  # values that are not readings get their codes below
         scaled = ranges - low
-        scaled *= np.float32(FARTHEST / (float(high) - float(low)))
+        scaled *= np.float32((FARTHEST - CLOSEST) / (float(high) - float(low)))
+        scaled += CLOSEST
         codes: Codes = scaled.astype(np.uint16)
     if not reading.all():
         np.copyto(codes, OUTSIDE_LIMITS, where=~reading)

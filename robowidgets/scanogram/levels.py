@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ._codes import FARTHEST, WITHOUT_READING, Codes, encode, fold, fold_median
+from ._codes import CLOSEST, FARTHEST, WITHOUT_READING, Codes, encode, fold, fold_median
 from .scans import ScanRanges, Sweep
 
 BUDGET = 256 << 20
@@ -25,7 +25,7 @@ COARSEST = 256
 _BIN = 4
 """Bits by which a bin is coarser than a code when readings are counted by distance."""
 
-_FAR = 0.01 * FARTHEST
+_FAR = 0.01 * (FARTHEST - CLOSEST)
 """Metres up to which neighbouring codes are at most a centimetre apart."""
 
 NEAREST, MEDIAN = "nearest", "median"
@@ -71,8 +71,9 @@ class Levels:
         if not below[-1]:
             return self.sweep.range_min, self.far
         low, high = np.searchsorted(below, (0.01 * below[-1], 0.99 * below[-1]))
-        step = (self.far - self.sweep.range_min) / FARTHEST
-        near, far = (int(low) << _BIN) - 0.5, min(FARTHEST, (int(high) + 1) << _BIN) - 0.5
+        most = FARTHEST - CLOSEST
+        step = (self.far - self.sweep.range_min) / most
+        near, far = (int(low) << _BIN) - 0.5, min(most, (int(high) + 1) << _BIN) - 0.5
         return self.sweep.range_min + near * step, self.sweep.range_min + far * step
 
     def codes(self, level: int, start: int, stop: int, pixel: str = NEAREST) -> Codes:
@@ -119,7 +120,8 @@ class Levels:
     def _count(self, codes: Codes) -> None:
         without = [int(np.count_nonzero(codes == code)) for code in WITHOUT_READING]
         self.counts += [codes.size - sum(without), *without]
-        bins = np.bincount(codes.ravel() >> _BIN, minlength=len(self._readings))
+        beyond_closest = codes.ravel() - np.uint16(CLOSEST)  # TOO_CLOSE becomes the highest number, which has no bin
+        bins = np.bincount(beyond_closest >> _BIN, minlength=len(self._readings))
         self._readings += bins[: len(self._readings)]
 
 

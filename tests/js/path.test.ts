@@ -49,6 +49,13 @@ test("a jump of the robot is a gap in the line, for a pose on show and for the n
   assert.equal(after.before.at(-1)?.way, 1);
 });
 
+test("the distance driven up to a moment is a share of the curve between two points, and grows to the next one", () => {
+  const curve = [point(0, 0, 0), point(4, 1, 0, 0, 3)];
+  const ways = [0, 0.25, 0.5, 1].map((x) => splitAt(curve, { time: 3, x, y: 0, yaw: 0 }).before.at(-1)?.way);
+  assert.deepEqual(ways, [0, 0.75, 1.5, 3]);
+  assert.equal(splitAt(curve, { time: 5, x: 1.5, y: 0, yaw: 0 }).before.at(-1)?.way, 3.5);
+});
+
 test("before the first pose all of the path is still ahead", () => {
   const nowhere = { time: -1, x: NaN, y: NaN, yaw: NaN };
   assert.deepEqual(splitAt(LINE, nowhere), { before: [], after: LINE });

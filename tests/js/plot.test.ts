@@ -2,7 +2,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { PlotData } from "../../robowidgets/js/plot/data.ts";
 import { decodePlot, type Rows } from "../../robowidgets/js/plot/frame.ts";
-import { toDigits, toGroups } from "../../robowidgets/js/plot/groups.ts";
+import { digitsWithin, toDigits, toGroups, toScale } from "../../robowidgets/js/plot/groups.ts";
+import { toValue } from "../../robowidgets/js/plot/legend.ts";
 import { holding, spread, toDifference, toLabels } from "../../robowidgets/js/plot/names.ts";
 import { measure, merged, readingAt, timeBeside } from "../../robowidgets/js/plot/rows.ts";
 import { follows, type Looking, seen, wholeOf } from "../../robowidgets/js/plot/span.ts";
@@ -159,6 +160,44 @@ test("a number has a real minus sign, and no digits of rounding", () => {
   assert.equal(toDigits(0.30000001192, 7), "0.3");
   assert.equal(toDigits(-12.5, 4), "\u221212.5");
   assert.equal(toDigits(NaN, 4), "NaN");
+});
+
+test("a value has the digits that tell it from the others on show, and a whole number has all", () => {
+  const degrees = { least: 48.1234001, mean: 48.12365, most: 48.1299002 };
+  assert.equal(toValue(48.12345678, degrees), "48.12345678");
+  assert.equal(toDigits(degrees.least, digitsWithin(4, degrees)), "48.1234");
+  assert.equal(toDigits(degrees.most, digitsWithin(4, degrees)), "48.1299");
+  assert.equal(toValue(0.30000001192, { least: -0.1, mean: 0.1, most: 0.4 }), "0.3");
+  assert.equal(toValue(-1_234_567_890, null), "\u22121234567890");
+  assert.equal(digitsWithin(7, { least: 1, mean: 1 + Number.EPSILON, most: 1 + Number.EPSILON }), 15);
+  assert.equal(digitsWithin(7, { least: 5, mean: 5, most: 5 }), 7);
+});
+
+test("the numbers of a scale differ, however large they are and however small the step is", () => {
+  assert.deepEqual(
+    [0, 0.25, -0.5].map((value) => toScale(value, 0.25)),
+    ["0.00", "0.25", "\u22120.50"],
+  );
+  assert.deepEqual(
+    [2e6, -4e6].map((value) => toScale(value, 1e6)),
+    ["2.0e+6", "\u22124.0e+6"],
+  );
+  assert.deepEqual(
+    [12345000, 12345500].map((value) => toScale(value, 500)),
+    ["12345000", "12345500"],
+  );
+  assert.deepEqual(
+    [48.12345, 48.123452].map((value) => toScale(value, 2e-6)),
+    ["48.123450", "48.123452"],
+  );
+  assert.deepEqual(
+    [2e-7, 4e-7].map((value) => toScale(value, 2e-7)),
+    ["2.0e-7", "4.0e-7"].map((t) => t.replace("-", "\u2212")),
+  );
+  assert.deepEqual(
+    [1.7e9 + 0.1, 1.7e9 + 0.2].map((value) => toScale(value, 0.1)),
+    ["\u2026000000.1", "\u2026000000.2"],
+  );
 });
 
 test("a part is requested only if the whole line lacks values, and a part of other lines is ignored", () => {

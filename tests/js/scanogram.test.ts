@@ -93,7 +93,7 @@ function known() {
 test("codes are in the order in which they are shown, as in Python", () => {
   const ranges = [0.1, 10, -Infinity, 11, 0, NaN, Infinity];
   const codes = ranges.map((range) => data.toCode(range, SWEEP));
-  assert.deepEqual(codes, [0, 65_000, 65_531, 65_532, 65_532, 65_533, 65_534]);
+  assert.deepEqual(codes, [1, 65_001, 0, 65_532, 65_532, 65_533, 65_534]);
   for (const range of [0.1, 2.5, 9.99]) {
     assert.ok(Math.abs(data.toRange(data.toCode(range, SWEEP), SWEEP) - range) < 0.001);
   }
@@ -237,6 +237,38 @@ test("the nearest reading is in the picture at any width and height", () => {
     assert.equal(x, Math.floor((32 * width) / 80 + 1e-9));
     assert.equal(y, raster.height - 1 - Math.floor((6 * raster.height) / 21));
   }
+});
+
+test("of several rays in a pixel, one that is too close to measure is shown, and it has no distance", () => {
+  const [far, close, nothing] = [5, -Infinity, Infinity].map((range) => data.toCode(range, SWEEP)) as [
+    number,
+    number,
+    number,
+  ];
+  const { whole } = known();
+  const codes = new Uint16Array(21).fill(nothing);
+  codes.set([far, close, far, far, data.toCode(0, SWEEP)]);
+  const block = {
+    ...whole.block,
+    size: 1,
+    rayStep: 1,
+    rays: 21,
+    startsAt: Float64Array.of(0),
+    endsAt: Float64Array.of(1),
+    codes,
+  };
+  assert.equal(toRaster([block], toRows(whole.sweep), [0, 1], 1, 1).codes[0], close);
+  const blocks = new Blocks({ ...whole, block: { ...block, size: 8 } });
+  const texts = [0, 1, 4, 5].map((ray) => {
+    const place = blocks.at(0.5, ray);
+    return place && [Number.isNaN(place.range), describePlace(place, 0, SWEEP).details.split("\n").at(-1)];
+  });
+  assert.deepEqual(texts, [
+    [false, "nearest of 8 scans"],
+    [true, "nearest of 8 scans"],
+    [true, "one or more of 8 scans"],
+    [true, "all of 8 scans"],
+  ]);
 });
 
 test("columns with finer detail are painted from it, and a gap stays empty", () => {

@@ -62,8 +62,20 @@ export function splitAt(points: Point[], now: TimedPose): { before: Point[]; aft
   const toLast = last ? Math.hypot(now.x - last.x, now.y - last.y) : 0;
   const isAfterJump = following?.isAfterJump && Math.hypot(now.x - following.x, now.y - following.y) < toLast;
   if (isAfterJump) after[0] = { ...following, isAfterJump: false };
-  const here = { ...now, ...(isAfterJump ? { way: following.way, isAfterJump } : { way: (last?.way ?? 0) + toLast }) };
+  const here = {
+    ...now,
+    ...(isAfterJump ? { way: following.way, isAfterJump } : { way: wayTo(now, last, following) }),
+  };
   return { before: [...before, here], after: [here, ...after] };
+}
+
+/** Metres driven up to a place after the last point; up to the following point, which may lie behind a curve. */
+function wayTo(now: Place, last?: Point, following?: Point): number {
+  if (!last) return 0;
+  const toLast = Math.hypot(now.x - last.x, now.y - last.y);
+  if (!following || following.isAfterJump) return last.way + toLast;
+  const toNext = Math.hypot(now.x - following.x, now.y - following.y);
+  return last.way + ((following.way - last.way) * toLast) / (toLast + toNext || 1);
 }
 
 /** The place of a path nearest to another one, between two points if that is nearer; null without a path. */

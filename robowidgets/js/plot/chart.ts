@@ -1,11 +1,10 @@
 import { make } from "../shared/dom.ts";
-import { toFixed } from "../shared/format.ts";
 import type { Mark } from "../shared/marks.ts";
 import { type Theme, textFont } from "../shared/theme.ts";
 import type { Span } from "../shared/time_axis.ts";
 import { timeTicks } from "../shared/time_span.ts";
 import type { Rows } from "./frame.ts";
-import type { Entry, Group } from "./groups.ts";
+import { type Entry, type Group, toScale } from "./groups.ts";
 import uPlot from "./uplot.ts";
 
 /** Pixels for the numbers at the left, and for the times below. */
@@ -178,13 +177,6 @@ export class Chart {
       ctx.restore();
     }
   }
-}
-
-/** A number of a scale at such a step, with the digits that the step needs. */
-function toScale(value: number, step: number): string {
-  if (Math.abs(value) >= 1e6 || step < 1e-5) return value.toExponential(1).replace(/-/g, "\u2212");
-  const digits = String(Number(step.toPrecision(4))).split(".")[1] ?? "";
-  return toFixed(value, digits.length);
 }
 
 /** The scale of the least and the greatest value; both are null if there are no values. */

@@ -1,4 +1,6 @@
+import { toFixed } from "../shared/format.ts";
 import { toLabels } from "./names.ts";
+import type { Measures } from "./rows.ts";
 
 /** The style of a line. */
 export interface Pen {
@@ -15,6 +17,11 @@ const PENS: Pen[] = [
 ];
 
 export const MOST_GRAPHS = 3;
+
+/** The digits that a number of 64 bits certainly has. */
+const MOST_DIGITS = 15;
+/** Characters for which the scale has room. */
+const MOST_ON_SCALE = 9;
 
 /** A line: its name and a short one, its place among all, and its pen. */
 export interface Entry {
@@ -79,8 +86,36 @@ function unitOf(units: Record<string, string>, name: string): string {
   return Object.hasOwn(units, name) ? (units[name] as string) : "";
 }
 
-/** A number of at most so many digits, with a real minus sign: "0.3", "−12.5", "1.2e+9". */
+/** A number of at most so many digits, with a real minus sign: "0.3", "−12.5", "1.2e−9". Whole numbers have all. */
 export function toDigits(value: number, digits: number): string {
   if (Number.isNaN(value)) return "NaN";
-  return String(Number(value.toPrecision(digits))).replace(/-/g, "\u2212");
+  const rounded = Number.isSafeInteger(value) ? value : Number(value.toPrecision(digits));
+  return String(rounded).replace(/-/g, "\u2212");
+}
+
+/** So many digits, and as many more as all numbers from the least to the greatest have in common. */
+export function digitsWithin(digits: number, measures: Measures | null): number {
+  if (!measures || measures.least === measures.most) return digits;
+  const { least, most } = measures;
+  const common = Math.floor(Math.log10(Math.max(Math.abs(least), Math.abs(most)) / (most - least)));
+  return Math.min(MOST_DIGITS, digits + Math.max(0, common));
+}
+
+/** A number of a scale with such a step, with the digits that the step needs; "\u2026" for the first of very many. */
+export function toScale(value: number, step: number): string {
+  const short = value.toExponential(1);
+  const isShort = (Math.abs(value) >= 1e6 || step < 1e-5) && Math.abs(Number(short) - value) < step / 100;
+  const text = isShort ? short : toFixed(value, decimalsOf(step));
+  const cut = text.length > MOST_ON_SCALE ? `\u2026${text.slice(1 - MOST_ON_SCALE)}` : text;
+  return cut.replace(/-/g, "\u2212");
+}
+
+function decimalsOf(step: number): number {
+  let decimals = 0;
+  while (decimals < MOST_DIGITS && !isWhole(step * 10 ** decimals)) decimals++;
+  return decimals;
+}
+
+function isWhole(value: number): boolean {
+  return Math.abs(value - Math.round(value)) <= 1e-4 * Math.abs(value);
 }

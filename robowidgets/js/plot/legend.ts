@@ -1,7 +1,7 @@
 import { make, makeSvg, setHidden, setName, setText } from "../shared/dom.ts";
 import { on } from "../shared/events.ts";
 import { toFixed } from "../shared/format.ts";
-import { type Entry, type Group, toDigits } from "./groups.ts";
+import { digitsWithin, type Entry, type Group, toDigits } from "./groups.ts";
 import { fieldOf, toDifference } from "./names.ts";
 import type { Measures, Reading } from "./rows.ts";
 
@@ -41,7 +41,7 @@ interface Difference {
 
 const LEFT = { off: "not drawn", crowded: "no room: switch another line off" };
 
-/** The lines with their exact values, and the least, mean and greatest of the values on show. */
+/** The lines with their values, and the least, mean and greatest of the values on show. */
 export class Legend {
   readonly root = make("table", "rw-plot-legend");
   readonly #rows: Row[] = [];
@@ -80,10 +80,11 @@ export class Legend {
     for (const [index, { reading, measures }] of values.entries()) {
       const row = this.#rows[index];
       if (!row) continue;
-      setText(row.value, reading ? toValue(reading.value) : "\u2013");
+      setText(row.value, reading ? toValue(reading.value, measures) : "\u2013");
       setText(row.time, reading ? `at ${toFixed(reading.time, 3)} s` : "");
+      const digits = digitsWithin(4, measures);
       for (const name of ["least", "mean", "most"] as const) {
-        setText(row[name], measures ? toDigits(measures[name], 4) : "\u2013");
+        setText(row[name], measures ? toDigits(measures[name], digits) : "\u2013");
       }
     }
     for (const { entries, value } of this.#differences) {
@@ -176,8 +177,9 @@ export class Legend {
   }
 }
 
-export function toValue(value: number): string {
-  return Number.isNaN(value) ? "none" : toDigits(value, 7);
+/** A value among others in a span. */
+export function toValue(value: number, measures: Measures | null): string {
+  return Number.isNaN(value) ? "none" : toDigits(value, digitsWithin(7, measures));
 }
 
 /** A piece of a line. */

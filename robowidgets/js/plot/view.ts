@@ -263,7 +263,8 @@ export class PlotView {
     const values = this.#entries.map(({ name, label, index }) => {
       const rows = this.#data.lines[index];
       const reading = rows ? readingAt(rows, time) : null;
-      return `${label} ${reading ? toValue(reading.value) : "no value"} ${units[name] ?? ""}`.trim();
+      const measures = rows ? measure(rows, span) : null;
+      return `${label} ${reading ? toValue(reading.value, measures) : "no value"} ${units[name] ?? ""}`.trim();
     });
     const mark = this.#model.get("marks").length ? describeMark(this.#model.get("marks"), time).label : "";
     const states = statesAt(this.#model.get("states"), time).map(([, , path]) => nameOf(path));

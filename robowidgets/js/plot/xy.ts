@@ -4,7 +4,7 @@ import { type Theme, textFont } from "../shared/theme.ts";
 import { ticks } from "../shared/ticks.ts";
 import type { Span } from "../shared/time_axis.ts";
 import type { Rows } from "./frame.ts";
-import { type Entry, toDigits } from "./groups.ts";
+import { type Entry, toScale } from "./groups.ts";
 
 export type Axis = Entry & { unit: string };
 
@@ -94,19 +94,21 @@ export function drawPairs(
   const { box } = projection;
   const font = textFont(theme);
   const [bottom, right] = [box.y + box.height, box.x + box.width];
-  for (const value of ticks(...projection.x, box.width / APART)) {
+  const [xs, ys] = [ticks(...projection.x, box.width / APART), ticks(...projection.y, box.height / 40)];
+  const stepOf = ([first = 0, second = first + 1]: number[]) => second - first;
+  for (const value of xs) {
     const { x } = projection.place(value, 0);
     context.beginPath();
     line(context, { x, y: box.y }, { x, y: bottom });
     stroke(context, theme.line, 1);
-    write(context, toDigits(value, 6), x, bottom + 12, theme.muted, font, "center");
+    write(context, toScale(value, stepOf(xs)), x, bottom + 12, theme.muted, font, "center");
   }
-  for (const value of ticks(...projection.y, box.height / 40)) {
+  for (const value of ys) {
     const { y } = projection.place(0, value);
     context.beginPath();
     line(context, { x: box.x, y }, { x: right, y });
     stroke(context, theme.line, 1);
-    write(context, toDigits(value, 6), box.x - 8, y, theme.muted, font, "right");
+    write(context, toScale(value, stepOf(ys)), box.x - 8, y, theme.muted, font, "right");
   }
   const [across, up] = axes.map(({ label, unit }) => (unit ? `${label} (${unit})` : label)) as [string, string];
   write(context, up, box.x, box.y - 14, theme.ink, `600 ${font}`, "left");

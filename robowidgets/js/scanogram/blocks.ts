@@ -1,6 +1,7 @@
+import { READING } from "../shared/frames/scan.ts";
 import { firstWhere } from "../shared/search.ts";
 import type { Span } from "../shared/time_axis.ts";
-import { type Block, type Detail, NO_SCAN, type Speeds, toRange, type Whole } from "./data.ts";
+import { type Block, type Detail, kindOf, NO_SCAN, type Speeds, toRange, type Whole } from "./data.ts";
 
 /** Bytes of details that a page keeps, without the whole. */
 const KEPT_BYTES = 48_000_000;
@@ -95,7 +96,7 @@ export class Blocks {
         code,
         range: exact
           ? (block.ranges[cell * block.rays + ray] as number)
-          : code < NO_SCAN - 4
+          : kindOf(code) === READING
             ? toRange(code, sweep)
             : NaN,
         exact,

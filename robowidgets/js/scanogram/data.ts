@@ -79,8 +79,9 @@ export interface Detail {
 }
 
 /** The order of codes: the least of several is shown. Python has the same numbers. */
-export const FARTHEST = 65_000;
-export const TOO_CLOSE = 65_531;
+export const TOO_CLOSE = 0;
+export const CLOSEST = 1;
+export const FARTHEST = 65_001;
 export const OUTSIDE_LIMITS = 65_532;
 export const NO_MEASUREMENT = 65_533;
 export const NOTHING_IN_RANGE = 65_534;
@@ -174,7 +175,7 @@ export function decodeDetail(bytes: DataView, sweep: Sweep): Detail {
 /** The code of a range. The least of several codes is shown, as in Python. */
 export function toCode(range: number, { minRange, maxRange, far }: Sweep): number {
   if (minRange <= range && range <= maxRange) {
-    return Math.floor(((range - minRange) * FARTHEST) / (far - minRange));
+    return CLOSEST + Math.floor(((range - minRange) * (FARTHEST - CLOSEST)) / (far - minRange));
   }
   if (range === -Infinity) return TOO_CLOSE;
   if (range === Infinity) return NOTHING_IN_RANGE;
@@ -183,7 +184,7 @@ export function toCode(range: number, { minRange, maxRange, far }: Sweep): numbe
 
 /** Metres of the code of a reading. */
 export function toRange(code: number, { minRange, far }: Sweep): number {
-  return minRange + ((code + 0.5) * (far - minRange)) / FARTHEST;
+  return minRange + ((code - CLOSEST + 0.5) * (far - minRange)) / (FARTHEST - CLOSEST);
 }
 
 /** The facts and the arrays of a frame; docs/developers/frames.md has the layout. */

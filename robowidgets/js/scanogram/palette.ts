@@ -1,7 +1,7 @@
 import { NO_MEASUREMENT, NOTHING_IN_RANGE, OUTSIDE_LIMITS, TOO_CLOSE, type Validity } from "../shared/frames/scan.ts";
 import type { Theme } from "../shared/theme.ts";
 import { VIRIDIS } from "../shared/viridis.ts";
-import { FARTHEST, KINDS, NO_SCAN, type Sweep, toRange } from "./data.ts";
+import { CLOSEST, FARTHEST, KINDS, NO_SCAN, type Sweep, toRange } from "./data.ts";
 
 /** The colour of each class without a distance. */
 export function classColors(theme: Theme): Partial<Record<Validity, string>> {
@@ -24,7 +24,7 @@ export function distanceColors(dark: boolean): string[] {
 export function toPalette(theme: Theme, sweep: Sweep, [near, far]: [number, number]): Uint32Array {
   const palette = new Uint32Array(65_536);
   const colors = distanceColors(theme.dark).map(toPixel);
-  for (let code = 0; code <= FARTHEST; code++) {
+  for (let code = CLOSEST; code <= FARTHEST; code++) {
     const part = (toRange(code, sweep) - near) / (far - near || 1);
     palette[code] = colors[Math.min(colors.length - 1, Math.max(0, Math.floor(part * colors.length)))] ?? 0;
   }

@@ -46,7 +46,10 @@ export function describeUnread(time: number): PopupWords {
 function sharedBy({ scans, rays, code }: Place, pixel: Pixel): string {
   if (scans === 1 && rays === 1) return "";
   const parts = [scans > 1 ? toMany(scans, "scan") : "", rays > 1 ? toMany(rays, "ray") : ""].filter(Boolean);
-  const one = pixel === "nearest" && kindOf(code) !== READING ? "all" : pixel;
+  const kind = kindOf(code);
+  const isNearest = kind === READING || kind === TOO_CLOSE;
+  // Of several without a reading, the one that says most is shown; only "nothing" is what all of them have.
+  const one = pixel !== "nearest" || isNearest ? pixel : kind === NOTHING_IN_RANGE ? "all" : "one or more";
   return `${one} of ${parts.join(", ")}`;
 }
 

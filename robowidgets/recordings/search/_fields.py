@@ -122,7 +122,8 @@ class FieldCondition(Condition):
             numbers = np.ma.filled(column[is_true].astype(np.float64), np.nan)
             numbers = np.abs(numbers) if self._is_size else numbers
             side = {">": -1, "≥": -1, "<": 1, "≤": 1}.get(self._relation, 0)
-            search.compared(self, times, is_true, numbers, side * numbers)
+            ranks = side * numbers if side else np.zeros(len(numbers))  # 0 times infinity is NaN, with a warning
+            search.compared(self, times, is_true, numbers, ranks)
         found = steps(times, values)
         search.looked_at(len(times))
         kind = next(one.widget for one in recording.topics if one.name == topic)

@@ -545,9 +545,8 @@ class _Within(_OverTime):
                 edges.pop()
             else:
                 edges.append((start, YES))
-            if start == end:  # it has the time itself, so the time some seconds later counts, too
-                edges.append((end + longer, YES))
-            edges.append((end + longer, NO))
+            # "At most" includes the time itself.
+            edges += [(end + longer, YES), (end + longer, NO)]
         lasting = steps([search.recording.start_ns or 0, *(at for at, _ in edges)], [NO, *(one for _, one in edges)])
         return combined([part, combined([after, lasting], np.max)], np.min)
 

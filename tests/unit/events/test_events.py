@@ -191,11 +191,11 @@ class TestTheLog:
             log.add(Event(f"{i}" + "x" * 1_000_000), 9.0)
         assert [(row.text, row.length) for row in log.rows] == [("1xxx", 1_000_001), ("2xxx", 1_000_001)]
 
-    def test_texts_that_differ_beyond_the_kept_part_are_distinguished_by_their_length(self) -> None:
-        log = EventLog(3, 4, 100)
-        log.add(Event("aaaaa"), 0.0)
-        log.add(Event("aaaaaa"), 1.0)
-        assert [row.length for row in log.rows] == [5, 6]
+    def test_texts_that_differ_beyond_the_kept_part_are_rows_of_their_own(self) -> None:
+        log = EventLog(5, 4, 100)
+        for seconds, text in enumerate(["aaaaa", "aaaaaa", "aaaaab", "aaaaab"]):
+            log.add(Event(text), float(seconds))
+        assert [(row.length, row.count) for row in log.rows] == [(5, 1), (6, 1), (6, 2)]
 
     def test_is_thinned_to_what_matters_most_and_evenly_where_not_all_have_room(self) -> None:
         log = EventLog(None, 100, 10**6)

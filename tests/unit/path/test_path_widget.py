@@ -6,7 +6,7 @@ import logging
 import threading
 import time
 from collections.abc import Sequence
-from math import nan, pi
+from math import cos, nan, pi, sin
 from typing import Any
 
 import numpy as np
@@ -64,6 +64,26 @@ class TestPath:
         assert (at[0, 0], at[-1, 0]) == (0, 4999)
         assert at[-1, 4] == pytest.approx(4999 * 0.02)
         assert np.diff(at[:, 1]).max() <= 2 * path.step
+
+    def test_the_distance_driven_counts_every_pose_also_on_circles_smaller_than_a_step(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(_path, "MOST_POINTS", 100)
+        path = Path()
+        angles = np.arange(5000) * 0.05
+        for i, angle in enumerate(angles.tolist()):
+            path.add(i, Pose(0.3 * cos(angle), 0.3 * sin(angle), 0.0))
+        at = path.points
+        assert path.step > 0.6
+        assert at[-1, 4] == pytest.approx(4999 * 2 * 0.3 * sin(0.025))
+        assert np.diff(at[:, 4]).max() <= 2 * path.step
+        assert np.diff(at[:, 0]).max() < 200
+
+    def test_a_way_back_within_a_step_counts(self) -> None:
+        path = Path()
+        for i in range(201):
+            path.add(i, Pose(0.005 * (i % 2), 0.0, 0.0))
+        assert path.points[-1, 4] == pytest.approx(1.0)
 
     @pytest.mark.parametrize(("seconds", "metres"), [(0.05, 1.0), (0.5, 8.0), (-60.0, 1.0)])
     def test_a_jump_that_no_robot_drives_begins_a_new_stroke_and_adds_no_distance(

@@ -185,6 +185,12 @@ def test_a_line_ends_where_nothing_came_for_long() -> None:
     assert (thinned(slow, slow, 0.0, 100.0, 1000).counts == 1).all()
 
 
+def test_a_topic_with_a_message_a_minute_is_a_line_with_a_gap_after_three_minutes() -> None:
+    times = np.array([0.0, 60.0, 120.0, 299.0, 359.0, 540.0, 600.0])
+    rows = thinned(times, times, 0.0, 600.0, 1000)
+    assert rows.times[rows.counts < 0].tolist() == [449.5]
+
+
 def test_nothing_and_times_that_are_all_the_same_can_be_packed() -> None:
     empty = np.empty(0)
     assert rows_of(pack(1, [(empty, empty)], (0.0, 0.0), 100))[0][0] == 0

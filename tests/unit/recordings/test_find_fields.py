@@ -18,7 +18,7 @@ from robowidgets.recordings.search.base import Condition
 from . import recorded
 
 field = conditions.field
-NAN = float("nan")
+NAN, INF = float("nan"), float("inf")
 TYPES = {
     "/imu": "sensor_msgs/msg/Imu",
     "/status.new": "std_msgs/msg/String",
@@ -68,6 +68,31 @@ def test_a_field_of_any_topic_compares_to_a_number_a_flag_or_a_text(
     recording: robowidgets.Recording, condition: Condition, spans: list[tuple[float, float]]
 ) -> None:
     assert found(recording, condition) == spans
+
+
+def test_the_numbers_that_were_found_keep_their_digits_as_text(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    types = {"/fix": "sensor_msgs/msg/NavSatFix", "/ticks": "std_msgs/msg/Int64"}
+    messages = [(0.0, "/fix", {"latitude": 48.123456789}), (1.0, "/ticks", {"data": 12_345_678})]
+    path = recorded.write(tmp_path / "x", types, messages)
+    recording = robowidgets.open(path)
+    assert "48.12346" in str(recording.find(field("/fix.latitude") > 48.1))
+    assert "12345678" in str(recording.find(field("/ticks.data") > 1))
+    for words, value in [("/fix.latitude > 48.1", "48.12345679"), ("/ticks.data > 1", "12345678")]:
+        assert main(["find", str(path), "--field", words]) == 0
+        assert capsys.readouterr().out.split()[-1] == value
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_field_can_be_compared_to_infinity(tmp_path: Path) -> None:
+    messages = [(0.0, "/range", {"data": 1.0}), (1.0, "/range", {"data": INF}), (2.0, "/range", {"data": -INF})]
+    recording = robowidgets.open(recorded.write(tmp_path / "x", {"/range": "std_msgs/msg/Float64"}, messages))
+    assert [(span.start, span.value) for span in recording.find(field("/range.data") == INF)] == [(1.0, INF)]
+    assert [(span.start, span.value) for span in recording.find(field("/range.data") != INF)] == [
+        (0.0, 1.0),
+        (2.0, -INF),
+    ]
 
 
 def test_a_topic_without_a_widget_is_no_problem_of_its_answers(

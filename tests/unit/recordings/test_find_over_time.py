@@ -60,6 +60,8 @@ def test_a_moment_counts_for_exactly_as_long_as_it_is_said(drive: Recording) -> 
     of_a, of_b = conditions.event("/a"), conditions.event("/b")
     assert found(drive, of_b)[-1] == (3, 3)
     assert found(drive, of_a.within(3, after=of_b)) == [(3, 3), (6, 6)], "6 s is at most 3 s after 3 s"
+    assert found(drive, B)[-1] == (2.5, 3)
+    assert found(drive, of_a.within(3, after=B)) == [(3, 3), (6, 6)], "a span that ends at 3 s, too"
 
 
 def test_they_join_with_others_and_their_opposites(drive: Recording) -> None:

@@ -5,6 +5,7 @@ import pytest
 
 from robowidgets.samples import Scan, Validity
 from robowidgets.scanogram._codes import (
+    CLOSEST,
     FARTHEST,
     NO_MEASUREMENT,
     NOTHING_IN_RANGE,
@@ -19,7 +20,7 @@ from robowidgets.scanogram._codes import (
 
 def test_the_five_classes_stay_apart() -> None:
     ranges = np.array([0.1, 4.0, -np.inf, np.inf, np.nan, 0.0, 4.1], np.float32)
-    expected = [0, FARTHEST, TOO_CLOSE, NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS, OUTSIDE_LIMITS]
+    expected = [CLOSEST, FARTHEST, TOO_CLOSE, NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS, OUTSIDE_LIMITS]
     assert encode(ranges, 0.1, 4.0).tolist() == expected
 
 
@@ -28,24 +29,22 @@ def test_every_ray_has_the_class_that_its_scan_gives_it() -> None:
     ranges = random.choice([0.0, 0.5, 1.0, 59.9, 60.0, 61.0, np.nan, np.inf, -np.inf], (50, 40)).astype(np.float32)
     kinds = np.array([Scan(row, -1.0, 0.01, 0.5, 60.0).validity for row in ranges])
     codes = encode(ranges, 0.5, 60.0)
-    assert ((codes <= FARTHEST) == (kinds == Validity.READING)).all()
+    assert (((codes >= CLOSEST) & (codes <= FARTHEST)) == (kinds == Validity.READING)).all()
     for kind, code in zip(list(Validity)[1:], WITHOUT_READING, strict=True):
         assert ((codes == code) == (kinds == kind)).all()
 
 
 def test_a_code_tells_a_distance_to_a_thousandth_of_60_metres() -> None:
     ranges = np.linspace(0.02, 60.0, 5000, dtype=np.float32)
-    metres = 0.02 + (encode(ranges, 0.02, 60.0) + 0.5) * (60.0 - 0.02) / FARTHEST
+    metres = 0.02 + (encode(ranges, 0.02, 60.0) - CLOSEST + 0.5) * (60.0 - 0.02) / (FARTHEST - CLOSEST)
     assert np.abs(metres - ranges).max() < 0.001
 
 
-def test_of_several_rays_the_nearest_reading_is_kept_and_a_reading_before_all_else() -> None:
-    column = np.array([[np.inf], [2.0], [0.5], [-np.inf], [np.nan]], np.float32)
+def test_of_several_rays_the_nearest_is_kept_which_may_be_too_close_to_measure() -> None:
+    column = np.array([[np.inf], [np.nan], [9.0], [2.0], [0.5], [0.1], [-np.inf]], np.float32)
     codes = encode(column, 0.1, 4.0)
-    assert fold(codes, 5)[0, 0] == codes[2, 0]
-    without = encode(np.array([[np.inf], [np.nan], [9.0], [-np.inf]], np.float32), 0.1, 4.0)
-    assert [fold(without[:i], 4)[0, 0] for i in (1, 2, 3, 4)] == [
-        NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS, TOO_CLOSE
+    assert [fold(codes[:i], 7)[0, 0] for i in range(1, 8)] == [
+        NOTHING_IN_RANGE, NO_MEASUREMENT, OUTSIDE_LIMITS, codes[3, 0], codes[4, 0], CLOSEST, TOO_CLOSE
     ]  # fmt: skip
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robowidgets.samples import Scan
-from robowidgets.scanogram._codes import FARTHEST, encode, fold, fold_median
+from robowidgets.scanogram._codes import CLOSEST, FARTHEST, encode, fold, fold_median
 from robowidgets.scanogram.levels import Levels
 from robowidgets.scanogram.scans import ScansInMemory, Sweep
 
@@ -58,7 +58,7 @@ def test_distances_are_as_exact_whatever_the_scanner_claims_to_see(range_max: fl
     ranges[3, :4] = np.inf, np.nan, -np.inf, 0.05
     levels = made(ranges, range_max=range_max)
     assert levels.far == (pytest.approx(29.0, abs=0.01) if range_max > 650 else range_max)
-    metres = 0.1 + (levels.codes(0, 0, 1000) + 0.5) * (levels.far - 0.1) / FARTHEST
+    metres = 0.1 + (levels.codes(0, 0, 1000) - CLOSEST + 0.5) * (levels.far - 0.1) / (FARTHEST - CLOSEST)
     read = np.isfinite(ranges) & (ranges > 0.1)
     assert np.abs(metres - ranges)[read].max() < 0.006
     assert levels.counts.tolist() == [90_000 - 4, 1, 1, 1, 1]
@@ -67,6 +67,12 @@ def test_distances_are_as_exact_whatever_the_scanner_claims_to_see(range_max: fl
 def test_without_a_limit_and_without_a_reading_there_is_a_scale_all_the_same() -> None:
     levels = made(np.full((10, 8), np.inf), range_max=np.inf)
     assert levels.far == pytest.approx(650.1)
+
+
+def test_what_is_too_close_does_not_count_as_a_reading_of_the_scale() -> None:
+    ranges = np.full((100, 90), 3.0)
+    ranges[:, :9] = -np.inf
+    assert made(ranges).color_range == pytest.approx((3.0, 3.0), abs=0.01)
 
 
 def test_the_classes_are_counted() -> None:

@@ -144,7 +144,7 @@ def test_it_sends_medians_instead_of_the_nearest_when_asked() -> None:
     def shown(packed: bytes) -> tuple[str, int]:
         facts = facts_of(packed)
         cells = np.frombuffer(packed[-2 * {name: size for name, _, size in facts["arrays"]}["cells"] :], "<u2")
-        return facts.get("pixel", ""), round(np.median(cells) * 29.9 / 65_000 + 0.1)
+        return facts.get("pixel", ""), round((np.median(cells) - 1) * 29.9 / 65_000 + 0.1)
 
     assert shown(synced(widget, "_frame")) == ("nearest", 1)
     widget.pixel = "median"
