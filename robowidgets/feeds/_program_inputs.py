@@ -74,14 +74,17 @@ class _Latest:
         """The time of the newest message on the monotonic clock."""
         return self._times[-1]
 
-    def read(self, name: str) -> Any:
-        """Return the newest sample. Raise NotReadyError if it is missing or too old, or a newer one is unreadable."""
+    def decode(self, name: str) -> None:
+        """Decode the new messages. Raise NotReadyError if the newest sample is missing, too old or unreadable."""
         with self._lock:
             messages, self._messages = self._messages, deque()
         if messages:
             self._take(messages)
         if why := self.why_not_ready(name):
             raise NotReadyError(why)
+
+    def read(self) -> Any:
+        """Return the newest sample, after `decode`."""
         return self._sample if self._gathered is None else self._gathered.take()
 
     def why_not_ready(self, name: str) -> str:
@@ -176,15 +179,21 @@ class FeedInputs:
             for name in self._wanted:
                 if name not in self._chosen:
                     raise NotReadyError(self._missing(name))
-            values = {name: self._read(name, topics) for name, topics in self._chosen.items()}
-            return {name: self._odometry(name) if name in ODOMETRY else value for name, value in values.items()}
+            for name, topics in self._chosen.items():  # all, before a touch is read, which only one step gets
+                for topic in topics:
+                    self._latest[topic].decode(_kind(name).sample_name if _combine(name) else name)
+            odometry = {name: self._odometry(name) for name in self._chosen if name in ODOMETRY}
+            return {
+                name: odometry[name] if name in odometry else self._read(name, topics)
+                for name, topics in self._chosen.items()
+            }
 
     def _read(self, name: str, topics: Sequence[str]) -> Any:
-        """Return the newest sample of a parameter. Raise NotReadyError if it is missing or too old."""
+        """Return the newest sample of a parameter."""
         latest = {topic: self._latest[topic] for topic in topics}
         if (combine := _combine(name)) is None:
-            return latest[topics[0]].read(name)
-        samples = {sensor_of(topic): one.read(_kind(name).sample_name) for topic, one in latest.items()}
+            return latest[topics[0]].read()
+        samples = {sensor_of(topic): one.read() for topic, one in latest.items()}
         return combine(samples, {sensor_of(topic): one.came_at for topic, one in latest.items()})
 
     def why_not_ready(self) -> str:

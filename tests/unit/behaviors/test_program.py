@@ -172,6 +172,23 @@ def test_a_bump_between_two_steps_is_not_lost(robot: Feed, script: Scripted) -> 
     wait_for(lambda: True in got and got[-1] is False, "the touch is seen once, and then the release")
 
 
+@pytest.mark.parametrize("missing", ["scan", "pose"])
+def test_a_bump_while_another_sample_is_missing_is_seen_by_the_next_step(
+    robot: Feed, script: Scripted, missing: str
+) -> None:
+    inputs = FeedInputs(robot.connection, lambda: None)
+    inputs.choose({"touch": None, missing: None}, None)
+    for state in (1, 0):
+        script.listener.on_message("/bumper", {"bumper": 0, "state": state})
+    for _ in range(2):
+        with pytest.raises(NotReadyError):
+            inputs.take()
+    script.listener.on_message("/scan", scan())
+    script.listener.on_message("/odom", odometry(0.0, 0.0, 0.0))
+    assert [inputs.take()["touch"].touched["left"] for _ in range(2)] == [True, False]
+    inputs.close()
+
+
 def test_no_step_goes_by_what_came_before_a_message_that_cannot_be_read(robot: Feed, script: Scripted) -> None:
     inputs = FeedInputs(robot.connection, lambda: None)
     inputs.choose({"scan": None}, None)
