@@ -662,6 +662,31 @@ def test_pose_and_the_way_since_the_program_began_come_from_all_messages_of_odom
     assert got[-1][1:] == (0.0, 0.0)
 
 
+def test_the_way_goes_on_with_the_state_after_another_program(robot: Feed, script: Scripted) -> None:
+    got: list[tuple[float, float]] = []
+
+    def go(driven, turned):  # type: ignore[no-untyped-def]
+        got.append((driven, turned))
+
+    def step(x: float, yaw: float) -> None:
+        script.listener.on_message("/odom", odometry(x, 0.0, yaw))
+        seen = len(got)
+        script.listener.on_message("/scan", scan())
+        wait_for(lambda: len(got) > seen, "it steps")
+
+    robot.program(go, on="/scan")
+    for x, yaw in ((0.0, 0.0), (5.0, 1.0)):
+        step(x, yaw)
+    robot.program(lambda: Drive())
+    program = robot.program(go, on="/scan")
+    for x, yaw in ((7.0, 2.0), (7.5, 2.5)):  # the other program drove from 5 m to 7 m
+        step(x, yaw)
+    assert got[-2:] == [pytest.approx((5.0, 1.0)), pytest.approx((5.5, 1.5))]
+    program.restart()
+    step(8.0, 2.5)
+    assert got[-1] == (0.0, 0.0)
+
+
 def test_without_odometry_it_says_what_is_missing() -> None:
     with Feed(Scripted(SCAN, CMD_VEL)) as robot:
 
