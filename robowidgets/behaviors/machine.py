@@ -102,6 +102,7 @@ class MachineProgress(NamedTuple):
     fired: deque[Fired]
     left: deque[StateSpan]
     marks: dict[str, tuple[float, float]]
+    odometer: tuple[float, float]
     is_new: bool
 
 
@@ -224,11 +225,13 @@ class Machine:
 
     def hand_on(self) -> MachineProgress:
         """Return the progress of the machine, for its next version."""
-        return MachineProgress(dict(self._states), self.fired, self._left, dict(self._marks), self._is_new)
+        marks = dict(self._marks)
+        return MachineProgress(dict(self._states), self.fired, self._left, marks, self._odometer, self._is_new)
 
     def continue_from(self, progress: MachineProgress) -> None:
         """Continue in the states of another machine of the same class, which goes on by itself."""
-        self._states, self._marks, self._is_new = {**progress.states}, {**progress.marks}, progress.is_new
+        self._states, self._marks = {**progress.states}, {**progress.marks}
+        self._odometer, self._is_new = progress.odometer, progress.is_new
 
     def fresh(self) -> Machine:
         """Return a new machine of the same class, in its initial state."""
@@ -253,15 +256,16 @@ class Machine:
         self._values, self._drive = values, None
         self._judged, self._seconds = {}, {}
         now: float = values["time"]
-        self._odometer = values.get(DRIVEN, 0.0), values.get(TURNED, 0.0)
         self._steps += 1
         if self.before is not None:
             before, self.before = self.before, None
             while before.before is not None:  # a version that made no step has no states
                 before = before.before
-            self._states, self.fired, self._left, self._marks, self._is_new = before.hand_on()
+            self._states, self.fired, self._left, self._marks, self._odometer, self._is_new = before.hand_on()
             for node in (self.root, *(node for node, _ in self._active_nodes(self.root))):
                 self._set_values(node, anew=False)
+        driven, turned = self._odometer  # of a version that asks for neither, so that a later version counts from there
+        self._odometer = values.get(DRIVEN, driven), values.get(TURNED, turned)
         try:
             self._make_step(now)
         finally:  # after an error, widgets show the states in which it occurred

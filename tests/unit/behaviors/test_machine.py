@@ -631,6 +631,39 @@ def test_metres_and_radians_count_from_the_entry_of_a_state() -> None:
     assert run.machine.fired[-1].text == "driven 0.50 \u2265 0.50 m"
 
 
+def test_metres_count_on_through_a_version_that_does_not_ask_for_them() -> None:
+    far = lambda driven: driven >= 0.5
+
+    class Walker:
+        forward = turn = None
+        moves = "forward -> turn on far", "turn -> forward after 1"
+
+    class Timed:
+        forward = turn = None
+        moves = "forward -> turn after 0.2", "turn -> forward after 1"
+
+    def install(cls: type) -> None:
+        before, run.machine = run.machine, Machine(cls)
+        run.machine.adopt(before)
+
+    Walker.far = far  # type: ignore[attr-defined]
+    Timed.__name__ = "Walker"
+    run = Run(Walker)
+    assert [run.at(t, driven=way) for t, way in ((0.0, 0.0), (0.1, 0.5), (1.1, 2.0))] == [
+        ("forward",),
+        ("turn",),
+        ("forward",),
+    ]
+    install(Timed)
+    assert [run.at(t) for t in (1.2, 1.4, 2.4)] == [("forward",), ("turn",), ("forward",)]
+    install(Walker)
+    assert [run.at(t, driven=way) for t, way in ((2.5, 2.0), (2.6, 2.4), (2.7, 2.5))] == [
+        ("forward",),
+        ("forward",),
+        ("turn",),
+    ]
+
+
 def test_the_user_sends_a_machine_to_a_state_which_is_entered_at_the_next_step() -> None:
     def note(word: str) -> Any:
         return lambda state: state.log.append(word)
