@@ -40,6 +40,9 @@ KEPT = 100
 TURNS = 5
 """The number of consecutive steps in which two moves undo each other, from which the machine reports it."""
 
+ROUNDING = 1e-6
+"""Seconds by which a time-out may be early, because a difference of times may be less than the number that is meant."""
+
 SINCE = "since"
 BY_HAND = "by hand"
 """The reason of a move to a state that the user chose."""
@@ -393,7 +396,7 @@ class Machine:
 
     def _holds(self, machine: Outline, move: Move, node: Node, since: float) -> bool:
         if move.after is not None:
-            return since >= self._seconds_of(machine, move, move.after)
+            return since >= self._seconds_of(machine, move, move.after) - ROUNDING
         if move.event is None:
             return True
         if move.event == DONE:

@@ -60,6 +60,17 @@ def test_moves_after_a_time_at_once_on_an_event_and_from_any_state() -> None:
     ]
 
 
+@pytest.mark.parametrize("rate", [3, 10, 30])
+def test_a_time_that_ends_exactly_at_a_step_is_not_missed_by_rounding(rate: int) -> None:
+    class Clock:
+        tick = tock = None
+        moves = "tick -> tock after 1", "tock -> tick after 1"
+
+    run = Run(Clock)
+    active = [run.at(0.1 + number / rate) for number in range(60 * rate)]
+    assert active == [("tick" if number // rate % 2 == 0 else "tock",) for number in range(60 * rate)]
+
+
 def test_entry_running_and_exit_run_outer_states_first_and_inner_ones_are_left_first() -> None:
     def note(word: str) -> Any:
         return lambda state: state.log.append(word)
