@@ -10,7 +10,7 @@ from an active state that a new version has removed.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import lru_cache
 from types import SimpleNamespace
@@ -291,7 +291,7 @@ class Machine:
         for machine, name in chosen:
             if self._states[machine.path][0] != name:
                 self._make(machine, Move("*", name, None, None), now, BY_HAND)
-        self._step(self.root, now)
+        self._step(self.root, now, chosen)
         self._act(self.root, "running", 0.0)
         for node, entered in list(self._active_nodes(self.root)):
             self._act(node, "running", now - entered)
@@ -361,9 +361,14 @@ class Machine:
         name, entered = self._states.pop(path)
         self._left.append(StateSpan(entered, now, f"{path}.{name}"))
 
-    def _step(self, node: Node, now: float) -> None:
+    def _step(self, node: Node, now: float, chosen: Sequence[tuple[Outline, str]] = ()) -> None:
+        """Make at most one move of each machine in a state, none of those in which the user chose a state."""
         for machine in node.machines:
             name, entered = self._states[machine.path]
+            if chosen and machine is chosen[0][0]:
+                if inner := chosen[1:]:
+                    self._step(machine.states[name], now, inner)
+                continue
             move = self._find_move(machine, name, now - entered)
             if move is None:
                 self._step(machine.states[name], now)

@@ -711,6 +711,45 @@ def test_the_user_sends_a_machine_to_a_state_which_is_entered_at_the_next_step()
         run.machine.go_to("fly")
 
 
+def test_a_state_that_the_user_chose_runs_although_its_events_hold_and_other_machines_go_on() -> None:
+    class Walker:
+        free = lambda: True
+
+        class drive:
+            class way:
+                forward = None
+
+                class avoid:
+                    stop = None
+
+                    def turn(state):
+                        state.log.append("turn")
+
+                    moves = "stop -> turn at once", "turn -> stop on free"
+
+                moves = "forward -> avoid after 60", "avoid -> forward on free"
+
+            class lamp:
+                dark = light = None
+                moves = "dark -> light after 0.1"
+
+        rest = None
+        moves = "drive -> rest after 60", "drive -> rest on never", "rest -> drive on free"
+        never = lambda: False
+
+    run = Run(Walker)
+    run.at(0.0)
+    run.machine.go_to("drive.way.avoid.turn")
+    assert run.at(0.1) == ("drive", "drive.way.avoid", "drive.way.avoid.turn", "drive.lamp.light")
+    assert run.state.log == ["turn"]
+    assert run.at(0.2) == ("drive", "drive.way.forward", "drive.lamp.light")
+    run.machine.go_to("drive.way.avoid.stop")
+    assert run.at(0.3)[1:3] == ("drive.way.avoid", "drive.way.avoid.stop")
+    run.machine.go_to("rest")
+    assert run.at(0.4) == ("rest",)
+    assert run.at(0.5) == ("drive", "drive.way.forward", "drive.lamp.dark")
+
+
 def test_a_nested_state_is_written_as_in_the_picture_in_every_message() -> None:
     class Walker:
         class avoid:
