@@ -22,6 +22,7 @@ from ..runtime.policies import NO_RETURN, STEP
 from ..runtime.runner import Call, Runner
 from ..runtime.short_traceback import without_our_frames
 from ..runtime.user_function import error_in
+from ..samples import Pose
 from ..samples.staleness import STEP_SILENCE
 from ..samples.state_span import spelled
 from ..widget.observed import Observed
@@ -214,12 +215,17 @@ class Program(Observed):
                 self._start()
         self._call_observers()
 
-    def restart(self) -> None:
+    def restart(self, put_to: Pose | None = None) -> None:
         """Start again with an empty `state`, at time 0, and with a state machine in its initial state.
+
+        Args:
+            put_to: the pose to which odometry was set at the same time, or None if it goes on.
 
         Raises:
             RuntimeError: it has ended.
         """
+        if put_to is not None:
+            self._inputs.put_to(put_to)
         with self._lock:
             self._check_not_ended()
             self._detach()

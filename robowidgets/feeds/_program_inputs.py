@@ -24,7 +24,7 @@ from ..kinds import (
 )
 from ..path.row import PATH
 from ..runtime.clock import RealClock
-from ..samples import Speed
+from ..samples import Pose, Speed
 from ..samples.staleness import STEPS, TO_DRIVE_BY, TO_DRIVE_BY_NAMED, SilenceRule, is_steady
 from ..speed.row import SPEED
 from ._probes import Probes
@@ -76,10 +76,7 @@ class _Latest:
 
     def decode(self, name: str) -> None:
         """Decode the new messages. Raise NotReadyError if the newest sample is missing, too old or unreadable."""
-        with self._lock:
-            messages, self._messages = self._messages, deque()
-        if messages:
-            self._take(messages)
+        self.decode_new()
         if why := self.why_not_ready(name):
             raise NotReadyError(why)
 
@@ -103,8 +100,12 @@ class _Latest:
             return self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
         return self._unread
 
-    def _take(self, messages: Sequence[Any]) -> None:
-        """Decode messages, and skip unreadable ones."""
+    def decode_new(self) -> None:
+        """Decode the messages that came since the last call, and skip unreadable ones."""
+        with self._lock:
+            messages, self._messages = self._messages, deque()
+        if not messages:
+            return
         topic = self._connection.topic_of(self.topic)
         for message in messages:
             try:
@@ -216,6 +217,14 @@ class FeedInputs:
     def why_silent(self, on: str) -> str:
         """See `Inputs`."""
         return self._connection.status_of(on) or f"waiting for {on}"
+
+    def put_to(self, pose: Pose) -> None:
+        """See `Inputs`."""
+        with self._lock:
+            for latest in self._latest.values():
+                if latest.odometer is not None:
+                    latest.decode_new()
+            self._odometer.put_to(pose)
 
     def close(self) -> None:
         """See `Inputs`."""

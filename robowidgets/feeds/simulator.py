@@ -166,7 +166,7 @@ class SimulatorFeed(Feed):
         self.variables.take_first_values()
         program = self.programs.current
         if program is not None and program.mode != ENDED:
-            program.restart()
+            program.restart(self.robot.odometry)
 
     def drawn(self) -> list[dict[str, Any]]:
         """Return the drawings of programs on connected laser widgets, in the form for the page.
