@@ -750,6 +750,20 @@ def test_a_state_that_the_user_chose_runs_although_its_events_hold_and_other_mac
     assert run.at(0.5) == ("drive", "drive.way.forward", "drive.lamp.dark")
 
 
+def test_a_machine_starts_in_its_first_state_also_if_that_is_none_and_no_move_names_it() -> None:
+    class Walker:
+        idle = None
+        alarm = None
+        bumped = lambda variables: variables.bumped
+        moves = "* -> alarm on bumped"
+
+    run = Run(Walker)
+    run.variables.bumped = False
+    assert run.at(0.0) == run.at(0.1) == ("idle",)
+    run.variables.bumped = True
+    assert run.at(0.2) == ("alarm",)
+
+
 def test_a_nested_state_is_written_as_in_the_picture_in_every_message() -> None:
     class Walker:
         class avoid:
