@@ -243,7 +243,7 @@ def _is_state(name: str, value: Any, events: set[str]) -> bool:
         return any(key in body for key in (*ACTIONS, "moves")) or any(
             _is_state(key, part, set()) for key, part in body.items() if isinstance(part, type)
         )
-    return isinstance(value, FunctionType) and not _is_lambda(name, value)
+    return value is None or (isinstance(value, FunctionType) and not _is_lambda(name, value))
 
 
 def _is_value(name: str, value: Any) -> bool:

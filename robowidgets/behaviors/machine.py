@@ -10,7 +10,7 @@ from an active state that a new version has removed.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from functools import lru_cache
 from types import SimpleNamespace
@@ -39,6 +39,9 @@ KEPT = 100
 
 TURNS = 5
 """The number of consecutive steps in which two moves undo each other, from which the machine reports it."""
+
+ROUNDING = 1e-6
+"""Seconds by which a time-out may be early, because a difference of times may be less than the number that is meant."""
 
 SINCE = "since"
 BY_HAND = "by hand"
@@ -102,6 +105,7 @@ class MachineProgress(NamedTuple):
     fired: deque[Fired]
     left: deque[StateSpan]
     marks: dict[str, tuple[float, float]]
+    odometer: tuple[float, float]
     is_new: bool
 
 
@@ -224,11 +228,13 @@ class Machine:
 
     def hand_on(self) -> MachineProgress:
         """Return the progress of the machine, for its next version."""
-        return MachineProgress(dict(self._states), self.fired, self._left, dict(self._marks), self._is_new)
+        marks = dict(self._marks)
+        return MachineProgress(dict(self._states), self.fired, self._left, marks, self._odometer, self._is_new)
 
     def continue_from(self, progress: MachineProgress) -> None:
         """Continue in the states of another machine of the same class, which goes on by itself."""
-        self._states, self._marks, self._is_new = {**progress.states}, {**progress.marks}, progress.is_new
+        self._states, self._marks = {**progress.states}, {**progress.marks}
+        self._odometer, self._is_new = progress.odometer, progress.is_new
 
     def fresh(self) -> Machine:
         """Return a new machine of the same class, in its initial state."""
@@ -253,15 +259,16 @@ class Machine:
         self._values, self._drive = values, None
         self._judged, self._seconds = {}, {}
         now: float = values["time"]
-        self._odometer = values.get(DRIVEN, 0.0), values.get(TURNED, 0.0)
         self._steps += 1
         if self.before is not None:
             before, self.before = self.before, None
             while before.before is not None:  # a version that made no step has no states
                 before = before.before
-            self._states, self.fired, self._left, self._marks, self._is_new = before.hand_on()
+            self._states, self.fired, self._left, self._marks, self._odometer, self._is_new = before.hand_on()
             for node in (self.root, *(node for node, _ in self._active_nodes(self.root))):
                 self._set_values(node, anew=False)
+        driven, turned = self._odometer  # of a version that asks for neither, so that a later version counts from there
+        self._odometer = values.get(DRIVEN, driven), values.get(TURNED, turned)
         try:
             self._make_step(now)
         finally:  # after an error, widgets show the states in which it occurred
@@ -284,7 +291,7 @@ class Machine:
         for machine, name in chosen:
             if self._states[machine.path][0] != name:
                 self._make(machine, Move("*", name, None, None), now, BY_HAND)
-        self._step(self.root, now)
+        self._step(self.root, now, chosen)
         self._act(self.root, "running", 0.0)
         for node, entered in list(self._active_nodes(self.root)):
             self._act(node, "running", now - entered)
@@ -354,9 +361,14 @@ class Machine:
         name, entered = self._states.pop(path)
         self._left.append(StateSpan(entered, now, f"{path}.{name}"))
 
-    def _step(self, node: Node, now: float) -> None:
+    def _step(self, node: Node, now: float, chosen: Sequence[tuple[Outline, str]] = ()) -> None:
+        """Make at most one move of each machine in a state, none of those in which the user chose a state."""
         for machine in node.machines:
             name, entered = self._states[machine.path]
+            if chosen and machine is chosen[0][0]:
+                if inner := chosen[1:]:
+                    self._step(machine.states[name], now, inner)
+                continue
             move = self._find_move(machine, name, now - entered)
             if move is None:
                 self._step(machine.states[name], now)
@@ -389,7 +401,7 @@ class Machine:
 
     def _holds(self, machine: Outline, move: Move, node: Node, since: float) -> bool:
         if move.after is not None:
-            return since >= self._seconds_of(machine, move, move.after)
+            return since >= self._seconds_of(machine, move, move.after) - ROUNDING
         if move.event is None:
             return True
         if move.event == DONE:

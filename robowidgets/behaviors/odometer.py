@@ -19,16 +19,31 @@ class Odometer:
     def __init__(self) -> None:
         self.pose: Pose | None = None
         self.driven = self.turned = 0.0
+        self._put_to: Pose | None = None
+        """The pose to which odometry was set, until a pose near it comes; else None."""
 
     def add(self, pose: Pose) -> None:
         """Add the next pose. A pose that is not finite is ignored."""
         if not all(map(isfinite, pose)):
             return
         if self.pose is not None:
-            self.driven += hypot(pose.x - self.pose.x, pose.y - self.pose.y)
-            self.turned += (pose.yaw - self.pose.yaw + pi) % (2 * pi) - pi
+            driven, turned = _movement(self.pose, pose)
+            if self._put_to is not None and hypot(*_movement(self._put_to, pose)) <= hypot(driven, turned):
+                self._put_to = None
+            else:
+                self.driven, self.turned = self.driven + driven, self.turned + turned
         self.pose = pose
+
+    def put_to(self, pose: Pose) -> None:
+        """Ignore the movement to a pose to which odometry was set. Poses from before may still come."""
+        self._put_to = pose
 
     def leave_out(self) -> None:
         """Ignore the movement from the newest pose to the next pose, which may come from another topic."""
-        self.pose = None
+        self.pose = self._put_to = None
+
+
+def _movement(before: Pose, after: Pose) -> tuple[float, float]:
+    """Return the metres and the radians between two poses."""
+    turned = (after.yaw - before.yaw + pi) % (2 * pi) - pi
+    return hypot(after.x - before.x, after.y - before.y), turned

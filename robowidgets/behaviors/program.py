@@ -22,6 +22,7 @@ from ..runtime.policies import NO_RETURN, STEP
 from ..runtime.runner import Call, Runner
 from ..runtime.short_traceback import without_our_frames
 from ..runtime.user_function import error_in
+from ..samples import Pose
 from ..samples.staleness import STEP_SILENCE
 from ..samples.state_span import spelled
 from ..widget.observed import Observed
@@ -120,7 +121,9 @@ class Program(Observed):
         """True if a message of the topic ``on`` came since the last step."""
         self.clock = StepClock(self._now)
         self._began: dict[str, float] = {}
-        """The metres and radians of odometry at the first step, to count from."""
+        """The metres and radians of odometry to count from."""
+        self._counted: dict[str, float] = {}
+        """The metres and radians of the last step, with which another run of its cell goes on."""
         self._since = self._now()
         self._due = 0.0
         """The time of the next step. A program on a topic reports at this time that no message has come."""
@@ -174,6 +177,10 @@ class Program(Observed):
             self._start()
         self._call_observers()
 
+    def continue_from(self, before: Program) -> None:
+        """Continue with the `state`, the time and the odometry of a program that has ended."""
+        self.state, self.clock, self._counted = before.state, before.clock, before._counted
+
     def change(self, before: Version, version: Version) -> None:
         """Run another version from the next step on, unlike `replace` only if the program is running.
 
@@ -208,18 +215,24 @@ class Program(Observed):
                 self._start()
         self._call_observers()
 
-    def restart(self) -> None:
+    def restart(self, put_to: Pose | None = None) -> None:
         """Start again with an empty `state`, at time 0, and with a state machine in its initial state.
+
+        Args:
+            put_to: the pose to which odometry was set at the same time, or None if it goes on.
 
         Raises:
             RuntimeError: it has ended.
         """
+        if put_to is not None:
+            self._inputs.put_to(put_to)
         with self._lock:
             self._check_not_ended()
             self._detach()
             if hasattr(self.version.function, "fresh"):
                 self.version = replace(self.version, function=self.version.function.fresh())
-            self.state, self.clock, self._began, self.prints = ProgramState(), StepClock(self._now), {}, Prints()
+            self.state, self.clock, self.prints = ProgramState(), StepClock(self._now), Prints()
+            self._began, self._counted = {}, {}
             self.error = self.note = self.waiting = ""
             self._stand_still()
             self._start()
@@ -345,7 +358,8 @@ class Program(Observed):
         values = self._inputs.take()
         for name in (DRIVEN, TURNED):
             if name in values:
-                values[name] -= self._began.setdefault(name, values[name])
+                values[name] -= self._began.setdefault(name, values[name] - self._counted.get(name, 0.0))
+                self._counted[name] = values[name]
         values.update(time=self.clock.start(), state=self.state, variables=self.variables)
         if not values.keys() >= {*version.asks_for}:
             return None  # the next version has already chosen other samples, and takes effect in a moment

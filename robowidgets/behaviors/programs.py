@@ -75,7 +75,7 @@ class Programs(Observed):
         if program is None or program.mode == ENDED:
             program = self._known[name] = Program(name, self._robot, self.variables)
             if known is not None and known.keeps:
-                program.state, program.clock = known.state, known.clock
+                program.continue_from(known)
             program.observe(self._call_observers)
             program.lines = self.lines
         if isinstance(function, Machine) and isinstance(program.version.function, Machine):

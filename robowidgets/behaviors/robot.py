@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from ..samples import Pose
+
 GIVEN = ("time", "state", "variables")
 """The parameters that every program may have in addition to samples."""
 
@@ -35,6 +37,9 @@ class Inputs(Protocol):
 
     def why_silent(self, on: str) -> str:
         """Return the reason why no message of the topic ``on`` comes."""
+
+    def put_to(self, pose: Pose) -> None:
+        """Do not count the movement to a pose to which odometry was set."""
 
     def close(self) -> None:
         """Take no more messages."""

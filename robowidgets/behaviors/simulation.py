@@ -11,7 +11,7 @@ from ..simulator import Robot
 from ._parameters import parameters_of, program_name
 from .drive import STANDSTILL, Drive, drive_of
 from .lines.watch import LineWatch
-from .machine import Machine
+from .machine import ROUNDING, Machine
 from .odometer import Odometer
 from .program import Program
 from .robot import DRIVEN, ODOMETRY, POSE, TURNED
@@ -129,12 +129,13 @@ def simulate(
     run = ProgramRun(program, variables)
     period = 1 / to_rate(rate)
     samples = _samples(robot, run.asks_for, run.topics)
-    start = robot.time
-    while (now := robot.time - start) < seconds and not (until and until()):
+    start, due = robot.time, 0.0
+    while (now := round(robot.time - start, 9)) < seconds and not (until and until()):
         run.odometer.add(robot.odometry)
         drive = run.step(now, samples)
         robot.drive(drive.linear, drive.angular, drive.lateral)
-        robot.step(period)
+        due = max(due, now - ROUNDING) + period  # not from `now`, whose rounding to nanoseconds would add up
+        robot.step(due - now)
         yield Step(now, drive, run.active)
 
 

@@ -24,7 +24,7 @@ from ..kinds import (
 )
 from ..path.row import PATH
 from ..runtime.clock import RealClock
-from ..samples import Speed
+from ..samples import Pose, Speed
 from ..samples.staleness import STEPS, TO_DRIVE_BY, TO_DRIVE_BY_NAMED, SilenceRule, is_steady
 from ..speed.row import SPEED
 from ._probes import Probes
@@ -74,14 +74,14 @@ class _Latest:
         """The time of the newest message on the monotonic clock."""
         return self._times[-1]
 
-    def read(self, name: str) -> Any:
-        """Return the newest sample. Raise NotReadyError if it is missing or too old, or a newer one is unreadable."""
-        with self._lock:
-            messages, self._messages = self._messages, deque()
-        if messages:
-            self._take(messages)
+    def decode(self, name: str) -> None:
+        """Decode the new messages. Raise NotReadyError if the newest sample is missing, too old or unreadable."""
+        self.decode_new()
         if why := self.why_not_ready(name):
             raise NotReadyError(why)
+
+    def read(self) -> Any:
+        """Return the newest sample, after `decode`."""
         return self._sample if self._gathered is None else self._gathered.take()
 
     def why_not_ready(self, name: str) -> str:
@@ -100,8 +100,12 @@ class _Latest:
             return self._connection.status_of(self.topic) or f"no {name} comes on {self.topic} any more"
         return self._unread
 
-    def _take(self, messages: Sequence[Any]) -> None:
-        """Decode messages, and skip unreadable ones."""
+    def decode_new(self) -> None:
+        """Decode the messages that came since the last call, and skip unreadable ones."""
+        with self._lock:
+            messages, self._messages = self._messages, deque()
+        if not messages:
+            return
         topic = self._connection.topic_of(self.topic)
         for message in messages:
             try:
@@ -176,15 +180,21 @@ class FeedInputs:
             for name in self._wanted:
                 if name not in self._chosen:
                     raise NotReadyError(self._missing(name))
-            values = {name: self._read(name, topics) for name, topics in self._chosen.items()}
-            return {name: self._odometry(name) if name in ODOMETRY else value for name, value in values.items()}
+            for name, topics in self._chosen.items():  # all, before a touch is read, which only one step gets
+                for topic in topics:
+                    self._latest[topic].decode(_kind(name).sample_name if _combine(name) else name)
+            odometry = {name: self._odometry(name) for name in self._chosen if name in ODOMETRY}
+            return {
+                name: odometry[name] if name in odometry else self._read(name, topics)
+                for name, topics in self._chosen.items()
+            }
 
     def _read(self, name: str, topics: Sequence[str]) -> Any:
-        """Return the newest sample of a parameter. Raise NotReadyError if it is missing or too old."""
+        """Return the newest sample of a parameter."""
         latest = {topic: self._latest[topic] for topic in topics}
         if (combine := _combine(name)) is None:
-            return latest[topics[0]].read(name)
-        samples = {sensor_of(topic): one.read(_kind(name).sample_name) for topic, one in latest.items()}
+            return latest[topics[0]].read()
+        samples = {sensor_of(topic): one.read() for topic, one in latest.items()}
         return combine(samples, {sensor_of(topic): one.came_at for topic, one in latest.items()})
 
     def why_not_ready(self) -> str:
@@ -207,6 +217,14 @@ class FeedInputs:
     def why_silent(self, on: str) -> str:
         """See `Inputs`."""
         return self._connection.status_of(on) or f"waiting for {on}"
+
+    def put_to(self, pose: Pose) -> None:
+        """See `Inputs`."""
+        with self._lock:
+            for latest in self._latest.values():
+                if latest.odometer is not None:
+                    latest.decode_new()
+            self._odometer.put_to(pose)
 
     def close(self) -> None:
         """See `Inputs`."""

@@ -106,6 +106,10 @@ class Simulated(ThreadedMiddleware):
             raise FeedError(str(error)) from None
         self._listener.on_message(topic, speed)
 
+    def stand(self, stands: bool) -> None:
+        """Stand still instead of wandering, or wander again some seconds later."""
+        self._live.stand(stands)
+
     def _listen(self, process: socket.socket) -> None:
         """Read the messages of the guard in the process of the robot, while it runs."""
         with process:
@@ -145,7 +149,10 @@ class SimulatorFeed(Feed):
     def __init__(self, robot: Robot, hz: float, wander: bool, process: bool) -> None:
         self.robot = robot
         self._wanders = wander
-        super().__init__(Simulated(robot, hz, wander, process))
+        simulated = Simulated(robot, hz, wander, process)
+        super().__init__(simulated)
+        watchdog = self.watchdog
+        watchdog.observe(lambda: simulated.stand(watchdog.stopped))  # without the feed, which the user may delete
         self.driving = replace(self.driving, max_lateral=min(robot.motors.max_lateral, self.driving.max_linear))
 
     @property
@@ -166,7 +173,7 @@ class SimulatorFeed(Feed):
         self.variables.take_first_values()
         program = self.programs.current
         if program is not None and program.mode != ENDED:
-            program.restart()
+            program.restart(self.robot.odometry)
 
     def drawn(self) -> list[dict[str, Any]]:
         """Return the drawings of programs on connected laser widgets, in the form for the page.

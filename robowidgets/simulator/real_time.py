@@ -52,6 +52,7 @@ class RealTime:
         self._wanted: frozenset[str] = frozenset()
         self._driven: tuple[float, float, float] | None = None if wander else (0.0, 0.0, 0.0)
         self._driven_at = 0.0
+        self._stands = False
         self._is_ended = False
 
     def want(self, topics: Collection[str], each: Collection[str] = ()) -> None:  # noqa: ARG002  # it skips no sample
@@ -65,6 +66,12 @@ class RealTime:
         """Command a speed; see `Robot.drive`."""
         self._driven_at = self._clock.now()
         self._driven = (linear, angular, lateral)
+
+    def stand(self, stands: bool) -> None:
+        """Stand still instead of wandering, or wander again some seconds later."""
+        if self._stands and not stands:
+            self._driven_at = self._clock.now()
+        self._stands = stands
 
     def end(self) -> None:
         """End `run`."""
@@ -101,11 +108,13 @@ class RealTime:
             return not self._is_ended
 
     def _steer(self, ways: Iterator[None]) -> Iterator[None]:
+        if self._stands and self._driven is None:
+            self._driven = (0.0, 0.0, 0.0)
         driven = self._driven
         if driven is None:
             next(ways)
             return ways
-        if not self._wanders or self._clock.now() - self._driven_at < LET_GO:
+        if not self._wanders or self._stands or self._clock.now() - self._driven_at < LET_GO:
             self._robot.drive(*driven)
             return ways
         self._driven = None

@@ -62,6 +62,7 @@ class RobotProcess:
         self._guard, self._on_guard = guard, on_guard
         self._robot, self._rest = robot, (hz, wander, offers)
         self._wanted: tuple[Collection[str], Collection[str]] = (), ()
+        self._stands = False
         self._starting = threading.Lock()
         self._ended = False
         self._process: subprocess.Popen[bytes] | None = None
@@ -86,6 +87,13 @@ class RobotProcess:
         self._wanted = topics, each
         with contextlib.suppress(OSError):  # the next process receives them
             self._tell("want", topics, each)
+
+    def stand(self, stands: bool) -> None:
+        """See `RealTime`."""
+        if stands != self._stands:
+            self._stands = stands
+            with contextlib.suppress(OSError):  # the next process receives it
+                self._tell("stand", stands)
 
     def drive(self, linear: float, angular: float, lateral: float) -> None:
         """See `RealTime`; ConnectionRefusedError if the process has not started, OSError if it cannot be reached."""
@@ -123,8 +131,9 @@ class RobotProcess:
         try:
             with self._writing:
                 pickle.dump((self._robot, *self._rest, self._edits, self._guard, guarded), process.stdin)
-                # With the lock held, so that later calls of `want` come after this one, and replace it.
+                # With the lock held, so that later calls of `want` and `stand` come after these, and replace them.
                 pickle.dump(("want", *self._wanted), process.stdin)
+                pickle.dump(("stand", self._stands), process.stdin)
                 process.stdin.flush()
                 self._pipe = process.stdin
             is_started = False

@@ -60,6 +60,17 @@ def test_moves_after_a_time_at_once_on_an_event_and_from_any_state() -> None:
     ]
 
 
+@pytest.mark.parametrize("rate", [3, 10, 30])
+def test_a_time_that_ends_exactly_at_a_step_is_not_missed_by_rounding(rate: int) -> None:
+    class Clock:
+        tick = tock = None
+        moves = "tick -> tock after 1", "tock -> tick after 1"
+
+    run = Run(Clock)
+    active = [run.at(0.1 + number / rate) for number in range(60 * rate)]
+    assert active == [("tick" if number // rate % 2 == 0 else "tock",) for number in range(60 * rate)]
+
+
 def test_entry_running_and_exit_run_outer_states_first_and_inner_ones_are_left_first() -> None:
     def note(word: str) -> Any:
         return lambda state: state.log.append(word)
@@ -631,6 +642,39 @@ def test_metres_and_radians_count_from_the_entry_of_a_state() -> None:
     assert run.machine.fired[-1].text == "driven 0.50 \u2265 0.50 m"
 
 
+def test_metres_count_on_through_a_version_that_does_not_ask_for_them() -> None:
+    far = lambda driven: driven >= 0.5
+
+    class Walker:
+        forward = turn = None
+        moves = "forward -> turn on far", "turn -> forward after 1"
+
+    class Timed:
+        forward = turn = None
+        moves = "forward -> turn after 0.2", "turn -> forward after 1"
+
+    def install(cls: type) -> None:
+        before, run.machine = run.machine, Machine(cls)
+        run.machine.adopt(before)
+
+    Walker.far = far  # type: ignore[attr-defined]
+    Timed.__name__ = "Walker"
+    run = Run(Walker)
+    assert [run.at(t, driven=way) for t, way in ((0.0, 0.0), (0.1, 0.5), (1.1, 2.0))] == [
+        ("forward",),
+        ("turn",),
+        ("forward",),
+    ]
+    install(Timed)
+    assert [run.at(t) for t in (1.2, 1.4, 2.4)] == [("forward",), ("turn",), ("forward",)]
+    install(Walker)
+    assert [run.at(t, driven=way) for t, way in ((2.5, 2.0), (2.6, 2.4), (2.7, 2.5))] == [
+        ("forward",),
+        ("forward",),
+        ("turn",),
+    ]
+
+
 def test_the_user_sends_a_machine_to_a_state_which_is_entered_at_the_next_step() -> None:
     def note(word: str) -> Any:
         return lambda state: state.log.append(word)
@@ -665,6 +709,59 @@ def test_the_user_sends_a_machine_to_a_state_which_is_entered_at_the_next_step()
     assert run.at(0.3) == ("avoid", "avoid.stop")
     with pytest.raises(ValueError, match=r"has no state 'fly'; there are forward, avoid, avoid\.stop, avoid\.turn"):
         run.machine.go_to("fly")
+
+
+def test_a_state_that_the_user_chose_runs_although_its_events_hold_and_other_machines_go_on() -> None:
+    class Walker:
+        free = lambda: True
+
+        class drive:
+            class way:
+                forward = None
+
+                class avoid:
+                    stop = None
+
+                    def turn(state):
+                        state.log.append("turn")
+
+                    moves = "stop -> turn at once", "turn -> stop on free"
+
+                moves = "forward -> avoid after 60", "avoid -> forward on free"
+
+            class lamp:
+                dark = light = None
+                moves = "dark -> light after 0.1"
+
+        rest = None
+        moves = "drive -> rest after 60", "drive -> rest on never", "rest -> drive on free"
+        never = lambda: False
+
+    run = Run(Walker)
+    run.at(0.0)
+    run.machine.go_to("drive.way.avoid.turn")
+    assert run.at(0.1) == ("drive", "drive.way.avoid", "drive.way.avoid.turn", "drive.lamp.light")
+    assert run.state.log == ["turn"]
+    assert run.at(0.2) == ("drive", "drive.way.forward", "drive.lamp.light")
+    run.machine.go_to("drive.way.avoid.stop")
+    assert run.at(0.3)[1:3] == ("drive.way.avoid", "drive.way.avoid.stop")
+    run.machine.go_to("rest")
+    assert run.at(0.4) == ("rest",)
+    assert run.at(0.5) == ("drive", "drive.way.forward", "drive.lamp.dark")
+
+
+def test_a_machine_starts_in_its_first_state_also_if_that_is_none_and_no_move_names_it() -> None:
+    class Walker:
+        idle = None
+        alarm = None
+        bumped = lambda variables: variables.bumped
+        moves = "* -> alarm on bumped"
+
+    run = Run(Walker)
+    run.variables.bumped = False
+    assert run.at(0.0) == run.at(0.1) == ("idle",)
+    run.variables.bumped = True
+    assert run.at(0.2) == ("alarm",)
 
 
 def test_a_nested_state_is_written_as_in_the_picture_in_every_message() -> None:

@@ -27,7 +27,7 @@ from robowidgets.driving import command_watchdog
 from robowidgets.driving.command_watchdog import Velocity
 from robowidgets.feeds import Advert, Feed, FeedError
 from robowidgets.feeds._program_inputs import FeedInputs
-from robowidgets.samples import Scan, Speed, Touch
+from robowidgets.samples import Pose, Scan, Speed, Touch
 from robowidgets.samples.staleness import SilenceRule
 
 from ..clocks import ManualClock
@@ -170,6 +170,23 @@ def test_a_bump_between_two_steps_is_not_lost(robot: Feed, script: Scripted) -> 
     for state in (0, 1, 0):
         script.listener.on_message("/bumper", {"bumper": 0, "state": state})
     wait_for(lambda: True in got and got[-1] is False, "the touch is seen once, and then the release")
+
+
+@pytest.mark.parametrize("missing", ["scan", "pose"])
+def test_a_bump_while_another_sample_is_missing_is_seen_by_the_next_step(
+    robot: Feed, script: Scripted, missing: str
+) -> None:
+    inputs = FeedInputs(robot.connection, lambda: None)
+    inputs.choose({"touch": None, missing: None}, None)
+    for state in (1, 0):
+        script.listener.on_message("/bumper", {"bumper": 0, "state": state})
+    for _ in range(2):
+        with pytest.raises(NotReadyError):
+            inputs.take()
+    script.listener.on_message("/scan", scan())
+    script.listener.on_message("/odom", odometry(0.0, 0.0, 0.0))
+    assert [inputs.take()["touch"].touched["left"] for _ in range(2)] == [True, False]
+    inputs.close()
 
 
 def test_no_step_goes_by_what_came_before_a_message_that_cannot_be_read(robot: Feed, script: Scripted) -> None:
@@ -645,6 +662,55 @@ def test_pose_and_the_way_since_the_program_began_come_from_all_messages_of_odom
     assert got[-1][1:] == (0.0, 0.0)
 
 
+def test_the_way_goes_on_with_the_state_after_another_program(robot: Feed, script: Scripted) -> None:
+    got: list[tuple[float, float]] = []
+
+    def go(driven, turned):  # type: ignore[no-untyped-def]
+        got.append((driven, turned))
+
+    def step(x: float, yaw: float) -> None:
+        script.listener.on_message("/odom", odometry(x, 0.0, yaw))
+        seen = len(got)
+        script.listener.on_message("/scan", scan())
+        wait_for(lambda: len(got) > seen, "it steps")
+
+    robot.program(go, on="/scan")
+    for x, yaw in ((0.0, 0.0), (5.0, 1.0)):
+        step(x, yaw)
+    robot.program(lambda: Drive())
+    program = robot.program(go, on="/scan")
+    for x, yaw in ((7.0, 2.0), (7.5, 2.5)):  # the other program drove from 5 m to 7 m
+        step(x, yaw)
+    assert got[-2:] == [pytest.approx((5.0, 1.0)), pytest.approx((5.5, 1.5))]
+    program.restart()
+    step(8.0, 2.5)
+    assert got[-1] == (0.0, 0.0)
+
+
+def test_a_reset_of_odometry_is_no_way_even_if_a_pose_from_before_still_comes(robot: Feed, script: Scripted) -> None:
+    got: list[tuple[float, float]] = []
+
+    @robot.program(on="/scan")
+    def go(driven, turned):  # type: ignore[no-untyped-def]
+        got.append((driven, turned))
+
+    def step(*ways: tuple[float, float]) -> None:
+        for x, yaw in ways:
+            script.listener.on_message("/odom", odometry(x, 0.0, yaw))
+        seen = len(got)
+        script.listener.on_message("/scan", scan())
+        wait_for(lambda: len(got) > seen, "it steps")
+
+    step((0.0, 0.0))
+    for x, yaw in ((0.0, 0.0), (2.0, 1.0), (3.0, 1.0)):  # not read by a step before the reset
+        script.listener.on_message("/odom", odometry(x, 0.0, yaw))
+    go.restart(Pose(0.0, 0.0, 0.0))
+    step((3.1, 1.0))
+    step((0.0, 0.0))
+    step((0.5, 0.2))
+    assert got[-3:] == [(0.0, 0.0), (0.0, 0.0), pytest.approx((0.5, 0.2))]
+
+
 def test_without_odometry_it_says_what_is_missing() -> None:
     with Feed(Scripted(SCAN, CMD_VEL)) as robot:
 
@@ -778,3 +844,22 @@ def test_a_simulation_is_reset_with_its_room_its_variables_and_its_program() -> 
         assert hypot(robot.robot.pose.x - pose.x, robot.robot.pose.y - pose.y) < 0.01
         assert robot.variables.near == 0.5
         wait_for(lambda: 0 < go.state.get("n", 0) <= n + 1, "the program counts from the beginning")
+
+
+def test_the_way_begins_at_zero_when_a_simulation_is_reset() -> None:
+    with feeds.simulator(wander=False) as robot:
+        start = robot.robot.pose
+        began: list[float] = []
+
+        @robot.program(rate=50)
+        def go(pose, driven, state):  # type: ignore[no-untyped-def]
+            state.driven = driven
+            if hypot(pose.x - start.x, pose.y - start.y) < 0.05:
+                began.append(driven)
+            return Drive(0.5)
+
+        wait_for(lambda: go.state.get("driven", 0) > 0.3, "it drives")
+        began.clear()
+        robot.reset()
+        wait_for(lambda: began, "it is at its start")
+        assert max(began) < 0.1

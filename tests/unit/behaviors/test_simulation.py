@@ -39,3 +39,12 @@ def test_a_topic_that_the_simulated_robot_does_not_have_is_refused(feed: Feed) -
 
     with pytest.raises(ValueError, match="asks for imu on /imu, but the simulated robot sends only /scan, /odom"):
         list(simulate(go, Robot(World.rooms(), seed=1), 1.0))
+
+
+@pytest.mark.parametrize("rate", [3, 7, 10, 30])
+def test_steps_come_at_their_rate_also_after_many_and_on_a_robot_that_has_run_before(rate: int) -> None:
+    robot = Robot(World(), seed=1)
+    robot.run(12.3)
+    times = [step.time for step in simulate(lambda: Drive(0.1), robot, 20.0, rate=rate)]
+    assert times == [round(number / rate, 9) for number in range(20 * rate)]
+    assert robot.time == pytest.approx(32.3, abs=1e-9)

@@ -67,6 +67,19 @@ def test_it_wanders_until_it_is_driven_and_again_afterwards(clock: ManualClock) 
         assert robot.command().linear[0] == 0.5, "it wanders again"
 
 
+@pytest.mark.parametrize("process", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_it_does_not_wander_while_stop_is_latched(process: bool) -> None:
+    with feeds.simulator(Robot(World([])), process=process, hz=50.0) as feed:
+        wait_for(lambda: feed.robot.command().linear[0] == 0.5, "it wanders")
+        feed.stopped = True
+        wait_for(lambda: feed.robot.command().linear[0] == 0.0, "it stops")
+        until = feed.robot.time + real_time.LET_GO + 0.5
+        wait_for(lambda: feed.robot.time > until, "it would wander again")
+        assert feed.robot.command().linear[0] == 0.0
+        feed.stopped = False
+        wait_for(lambda: feed.robot.command().linear[0] == 0.5, "it wanders again")
+
+
 def test_a_speed_that_is_sent_is_shown_once(clock: ManualClock) -> None:
     shown = list[float]()
     with simulated(clock) as (_, feed):
