@@ -503,7 +503,7 @@ class TestATouchHistory:
     ) -> None:
         monkeypatch.setattr("robowidgets.touch.history._KEPT_EVERY", 20)
         with open(data / "good" / "neato_fsm") as recording:
-            history = TouchHistory(recording, "/bump")
+            history = TouchHistory(recording, "/bump", TouchTracker().hold, None)
             start_ns = recording.start_ns or 0
             before = history.at(start_ns).states(start_ns)
             assert before == dict.fromkeys(self.expected(recording, start_ns + S), TouchSensor())
@@ -514,7 +514,7 @@ class TestATouchHistory:
     def test_does_not_restart_each_time(self, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("robowidgets.touch.history._KEPT_EVERY", 20)
         with open(data / "good" / "neato_fsm") as recording:
-            history = TouchHistory(recording, "/bump")
+            history = TouchHistory(recording, "/bump", TouchTracker().hold, None)
             start_ns = recording.start_ns or 0
             history.at(start_ns + 32 * S)
             applied: list[int] = []
