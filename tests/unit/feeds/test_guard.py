@@ -592,7 +592,7 @@ def test_drives_are_refused_when_guards_die_again_and_again(
     ("start", "why"),
     [
         ("import sys; print('no room'); sys.exit(3)", r"its process does not start: (code 3; no room)"),
-        ("input()", "its process does not start: it is not ready after 0.1 s"),
+        ("import time\nwhile True: time.sleep(60)", "its process does not start: it is not ready after 0.1 s"),
     ],
     ids=["ends", "hangs"],
 )

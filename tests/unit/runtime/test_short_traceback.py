@@ -43,7 +43,7 @@ ERRORS = {
     "recording.find(robowidgets.conditions.touched)": r"call it, as in conditions\.touched\(\.\.\.\)$",
     "recording.show().seek('x')": "^TraitError: time: expected seconds from the start",
     "recording.at('/scan', 5).sample.distance('fron')": "^ValueError: sector: expected front, left",
-    "robowidgets.feeds.simulator().connect('/scan')": r"^TypeError: connect\('/scan'\) needs a widget",
+    "robowidgets.feeds.simulator().connect('/scan')": r"^TypeError: connect\('/scan'\): expected a widget",
     "robowidgets.feeds.rosbridge('nowhere')": "^ValueError: address: expected one like ws",
 }
 CONDITIONS = {
