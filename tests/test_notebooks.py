@@ -13,6 +13,7 @@ from typing import Any
 import nbformat
 import pytest
 from nbclient import NotebookClient
+from traitlets.config import Config
 
 from robowidgets import lessons
 from robowidgets.driving.command_watchdog import Velocity
@@ -85,8 +86,11 @@ def test_a_notebook_runs_from_top_to_bottom(file: Path, tmp_path: Path, monkeypa
     startup.write_text(PATIENT)
     notebook = read(file)
     (tmp_path / "work").mkdir()
+    # A port that is free when the client chooses it may be taken when the kernel starts, which would then hang.
+    own = {"transport": "ipc", "connection_file": str(tmp_path / "kernel.json")}
     client = NotebookClient(
         notebook,
+        config=Config(KernelManager=own),
         timeout=LONGEST_SECONDS,
         startup_timeout=LONGEST_SECONDS,
         iopub_timeout=LONGEST_SECONDS,

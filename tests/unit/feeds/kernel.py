@@ -59,7 +59,8 @@ class Kernel:
 
     def __init__(self, path: Path, before: str = "") -> None:
         self._log = Log(path)
-        self.manager = KernelManager()
+        # A port that is free when the client chooses it may be taken when the kernel starts, which would then hang.
+        self.manager = KernelManager(transport="ipc", connection_file=f"{path}.json")
         self.manager.start_kernel()
         self._client: BlockingKernelClient = self.manager.client()
         self._client.start_channels()
