@@ -121,6 +121,22 @@ def test_a_click_puts_a_topic_on_the_screen_and_takes_it_off(
     expect(shown.locator(".rw-screen .rw-title")).to_have_text(before)
 
 
+def test_a_click_counts_although_the_list_is_drawn_again_while_the_row_is_pressed(
+    plain_page: Open, path: Path
+) -> None:
+    nb = opened(plain_page, path, height=720)
+    nb.resize(1264, 720)
+    shown = nb.output(2)
+    shown.locator(".rw-topics-rail").click()
+    row(nb, "/voltage").hover()
+    nb.page.mouse.down()
+    nb.python("player.topic_list._error = 'an odd topic'")
+    expect(shown.locator(".rw-topics-foot")).to_contain_text("an odd topic")
+    nb.page.mouse.up()
+    expect(row(nb, "/voltage")).to_have_attribute("data-shown", "")
+    expect(shown.locator(".rw-screen .rw-title", has_text="/voltage")).to_be_visible()
+
+
 def test_keys_walk_fold_filter_and_show(plain_page: Open, path: Path) -> None:
     nb = opened(plain_page, path, height=720)
     nb.resize(1264, 780)  # all groups fit

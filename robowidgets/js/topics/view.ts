@@ -96,6 +96,8 @@ export class TopicsView {
   /** Requests that are not answered yet: by name, true to show it. */
   readonly #pending = new Map<string, boolean>();
   #isBusy = false;
+  /** True while a pointer presses a row. A row that is replaced in the meantime gets no click. */
+  #isPressed = false;
   #values: Record<string, string> = {};
   #asked: string[] = [];
   #now: Record<string, Now> = {};
@@ -167,7 +169,7 @@ export class TopicsView {
     on(this.#body, "pointerover", (event) => this.#onPoint(event), this.#signal);
     on(this.#body, "pointerleave", () => this.#cards.light([]), this.#signal);
     on(this.#body, "focusin", (event) => this.#onFocus(event), this.#signal);
-    this.#watchLongPress();
+    this.#watchPresses();
     const foot = make("div", "rw-topics-foot");
     const first = make("div", "rw-topics-foot-row");
     first.append(this.#footName, this.#footType, this.#asLaser, this.#footButton);
@@ -225,6 +227,7 @@ export class TopicsView {
   }
 
   #drawRows(rows: TopicRow[]): void {
+    if (this.#isPressed) return; // they are drawn once it is lifted
     const filter = this.#filter.hidden ? "" : this.#filter.value;
     const groups = toGroups(rows, filter);
     const room = this.#room || rows.length;
@@ -439,8 +442,8 @@ export class TopicsView {
     else this.#toggle(line.row);
   }
 
-  /** Moves the focus to a row under a resting finger; lifting it then has no effect. */
-  #watchLongPress(): void {
+  /** Keeps the rows while one is pressed, and moves the focus to one under a resting finger, whose click has no effect. */
+  #watchPresses(): void {
     let timer: ReturnType<typeof setTimeout> | undefined;
     let isLong = false;
     const end = () => clearTimeout(timer);
@@ -448,6 +451,7 @@ export class TopicsView {
     const onDown = (event: PointerEvent) => {
       isLong = false;
       const line = this.#lineOf(event.target);
+      this.#isPressed = line !== undefined;
       if (event.pointerType !== "touch" || !line) return;
       timer = setTimeout(() => {
         isLong = true;
@@ -455,7 +459,14 @@ export class TopicsView {
       }, LONG_MS);
     };
     on(this.#body, "pointerdown", onDown, this.#signal);
-    for (const type of ["pointerup", "pointercancel"] as const) on(this.#body, type, end, this.#signal);
+    const onLifted = () => {
+      end();
+      if (this.#isPressed) this.#redraw(); // in the next frame, after the click
+      this.#isPressed = false;
+    };
+    // It may be lifted elsewhere.
+    for (const type of ["pointerup", "pointercancel"] as const)
+      on(window, type, onLifted, this.#signal, { capture: true });
     const onClick = (event: MouseEvent) => isLong && event.stopImmediatePropagation();
     on(this.#body, "click", onClick, this.#signal, { capture: true });
   }
