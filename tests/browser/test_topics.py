@@ -121,9 +121,7 @@ def test_a_click_puts_a_topic_on_the_screen_and_takes_it_off(
     expect(shown.locator(".rw-screen .rw-title")).to_have_text(before)
 
 
-def test_a_click_counts_although_the_list_is_drawn_again_while_the_row_is_pressed(
-    plain_page: Open, path: Path
-) -> None:
+def test_a_click_counts_although_the_list_is_drawn_again_while_the_row_is_pressed(plain_page: Open, path: Path) -> None:
     nb = opened(plain_page, path, height=720)
     nb.resize(1264, 720)
     shown = nb.output(2)
