@@ -63,7 +63,7 @@ class Connection(Subscriptions):
         shorten_switch_interval()
         let_threads_print()
         # Before it opens, because the feed of the earlier run may use the node, or drive the robot.
-        _log_dropped(predecessor(self, lambda one: isinstance(one, Connection)))
+        _log_dropped(predecessor(self, Connection))
         open_feeds.add(self)
         try:
             self.middleware.open(self)

@@ -111,7 +111,7 @@ class FeedView(ScreenWidget):
         self._bar = StopWidget(feed) if beside else None
         if self._bar is not None:
             self._bar.stand_in(self.model_id, opens=True)
-        earlier = predecessor(self, lambda one: isinstance(one, FeedView))
+        earlier = predecessor(self, FeedView)
         if earlier is not None:
             self.on_show.keep(earlier.on_show)
             self.topic_list.keep(earlier.topic_list)

@@ -32,14 +32,17 @@ _made: dict[str, tuple[str, Objects, Objects]] = {}
 run before, without those that `predecessor` has returned."""
 
 
-def take_the_place(made: Closable) -> list[Any]:
-    """Register an object of the running cell, close the objects of the cell's earlier runs, and return the closed ones.
+def take_the_place(made: Closable) -> Objects:
+    """Register an object of the running cell, and close the objects of the cell's earlier run.
 
     Does nothing if no cell runs, or if the notebook does not identify its cells.
+
+    Returns:
+        The closed objects, without those that `predecessor` has returned.
     """
     cell, run = running_cell()
     if not cell:
-        return []
+        return WeakKeyDictionary()
     last, there, closed = _made.get(cell, (run, WeakKeyDictionary(), WeakKeyDictionary()))
     if last != run:
         closed, there = there, WeakKeyDictionary()
@@ -47,18 +50,18 @@ def take_the_place(made: Closable) -> list[Any]:
             earlier.close()
     there[made] = None
     _made[cell] = run, there, closed
-    return list(closed)
+    return closed
 
 
-def predecessor(made: Closable, fits: Callable[[Any], bool]) -> Any:
+def predecessor(made: Closable, kind: type) -> Any:
     """Do what `take_the_place` does, and return the closed object that this one replaces.
 
     Returns:
-        The first object that fits and that no other object of this run has replaced, or None.
+        The first one of the class that no other object of this run has replaced, or None.
     """
-    found = next(filter(fits, take_the_place(made)), None)
+    closed = take_the_place(made)
+    found = next((one for one in list(closed) if isinstance(one, kind)), None)
     if found is not None:
-        *_, closed = _made[running_cell()[0]]
         del closed[found]
     return found
 

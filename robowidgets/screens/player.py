@@ -134,7 +134,7 @@ class Player(ScreenWidget):
         arrangement: Any = None,
         lines: Any = None,
     ) -> None:
-        earlier = predecessor(self, lambda one: isinstance(one, Player))
+        earlier = predecessor(self, Player)
         is_again = earlier is not None and earlier.recording.path == recording.path
         self.recording = recording
         self.views: tuple[PlayerView, ...] = ()

@@ -89,15 +89,12 @@ def test_an_object_replaces_the_one_of_its_kind_and_place_in_the_earlier_run(
     class Other(Made):
         """An object of another kind."""
 
-    def is_other(one: object) -> bool:
-        return isinstance(one, Other)
-
     begin("a", "1")
     firsts = [Other(), Other()]
-    assert [_cells.predecessor(other, is_other) for other in firsts] == [None, None]
+    assert [_cells.predecessor(other, Other) for other in firsts] == [None, None]
     made = run("a", "2")
     assert all(other.closed for other in firsts)
-    assert [_cells.predecessor(Other(), is_other) for _ in range(3)] == [*firsts, None]
+    assert [_cells.predecessor(Other(), Other) for _ in range(3)] == [*firsts, None]
     assert not made.closed
 
 
