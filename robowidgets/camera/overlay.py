@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from math import cos, isfinite, pi, sin
+from math import cos, inf, isfinite, pi, sin
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -166,9 +166,8 @@ def cones(model: CameraModel, ranges: Mapping[str, tuple[Range, Poses]], beam: f
     """
     outlines, drawn = Outlines(model), []
     for name, (one, at) in ranges.items():
-        seen = one.validity is Validity.READING
-        met = seen or one.distance == 0
-        reach = one.range if seen else one.min_range if met else one.max_range
+        seen, met = one.validity is Validity.READING, one.distance < inf
+        reach = max(one.distance, one.min_range) if met else one.max_range
         if not (met or one.validity is Validity.NOTHING_IN_RANGE) or not isfinite(reach):
             continue
         half = (one.field_of_view or (min(THIN, beam) if one.radiation == "infrared" else beam)) / 2

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, nan, radians
+from math import inf, isfinite, nan, radians
 from typing import Any
 
 import numpy as np
@@ -83,9 +83,8 @@ def _cone(one: Range) -> MapItem:
 
     It has no points if the distance is unknown.
     """
-    is_reading = one.validity is Validity.READING
-    is_met = is_reading or one.distance == 0
-    reach = one.range if is_reading else one.min_range if is_met else one.max_range
+    is_met = one.distance < inf
+    reach = max(one.distance, one.min_range) if is_met else one.max_range
     points = np.empty((0, 2))
     if isfinite(reach) and (is_met or one.validity is Validity.NOTHING_IN_RANGE):
         beam = one.field_of_view or (_THIN if one.radiation == "infrared" else _BEAM)
