@@ -19,7 +19,7 @@ from ..laser.row import LASER
 from ..recordings.search import conditions
 from ..recordings.search.base import Condition
 from ..recordings.search.comparison import compared
-from ..recordings.search.spans import Spans, value_text
+from ..recordings.search.spans import Spans, rounded_text
 from ..recordings.topics import UnnamedTopicError
 from ..runtime.text import many
 from ..samples.checks import DEGREES, OF_DEGREES
@@ -330,7 +330,7 @@ _COLUMNS: dict[str, Callable[[Any], str]] = {
     "nearest": "{:g}".format,
     "index": "{}".format,
     "angle": lambda angle: f"{degrees(angle):.2f}",
-    "value": lambda value: value_text(value, 10),
+    "value": lambda value: rounded_text(value, 10),
     "silent": ", ".join,
 }
 """The columns of a span by its attributes, with their formats; angles in degrees."""

@@ -17,7 +17,7 @@ from .middleware import Advert, FeedError
 log = logging.getLogger("robowidgets")
 
 LONG_HOLD = 60.0
-"""Seconds. A longer hold is told, because it may have been meant in milliseconds."""
+"""Seconds. A longer hold is logged, because it may have been meant in milliseconds."""
 
 USUAL = "/cmd_vel"
 """The topic on which speeds are published, unless another topic is set or is the only one with a subscriber."""

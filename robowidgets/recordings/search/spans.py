@@ -136,11 +136,11 @@ def cell(value: Any, head: str) -> str:
     if head == "angle":
         return degrees_of(value)
     if head == "value":
-        return value_text(value, 7)
+        return rounded_text(value, 7)
     return f"[{value}]" if head == "index" else f"{value:.2f}" + " m" * (head == "nearest")
 
 
-def value_text(value: float, digits: int) -> str:
+def rounded_text(value: float, digits: int) -> str:
     """Return a number as text: a whole number with all its digits, another one rounded to so many."""
     is_whole = value.is_integer() and abs(value) <= 2**53
     return f"{value:.0f}" if is_whole else f"{value:.{digits}g}"
